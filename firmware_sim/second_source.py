@@ -61,9 +61,9 @@ class AidStream:
         aid = self._aid
         while (measured_s := self._next * aid.every_s) + aid.late_s <= t_s:
             self._next += 1
-            left, right = self._measured(measured_s)
+            first, second = self._measured(measured_s)
             if not self._is_gone:
-                yield self._sent(measured_s + aid.late_s, left, right)
+                yield self._sent(measured_s + aid.late_s, first, second)
 
     def _measured(self, t_s: float) -> tuple[float, float]:
         """Two values of a source: of wheels left and right, else the value and the speed."""
@@ -82,8 +82,8 @@ class AidStream:
             "speed": (speed_mps + abs(wrong) * is_wrong, np.nan),
             "standing": (float((speed_mps == 0.0) != is_wrong), np.nan),
         }
-        left, right = pairs[aid.name]
-        values = self._flawed(left + noise[0]), self._flawed(right + noise[1]) if aid.name == "wheels" else right
+        first, second = pairs[aid.name]
+        values = self._flawed(first + noise[0]), self._flawed(second + noise[1]) if aid.name == "wheels" else second
         if 0.0 < aid.stuck_s <= t_s:
             self._stuck = values
         return values
@@ -111,14 +111,13 @@ class AidStream:
             return 0.0
         return round(value / aid.resolution) * aid.resolution if aid.resolution else value
 
-    def _sent(self, t_s: float, left: float, right: float) -> AidValue:
+    def _sent(self, t_s: float, first: float, second: float) -> AidValue:
         name = self._aid.name
         if name == "wheels":
-            return AidValue(
-                t_s, self._aid, right - left, 0.5 * (left + right), ((f"{name}_left", left), (f"{name}_right", right))
-            )
-        value = left % self._aid.period_deg if name == "heading" else left
-        return AidValue(t_s, self._aid, value, right, ((name, value),))
+            cells = ((f"{name}_left", first), (f"{name}_right", second))
+            return AidValue(t_s, self._aid, second - first, 0.5 * (first + second), cells)
+        value = first % self._aid.period_deg if name == "heading" else first
+        return AidValue(t_s, self._aid, value, second, ((name, value),))
 
 
 def aid_streams(aids: tuple[SimulatedAid, ...], motion: Motion, seed: int, session: int = 0) -> list[AidStream]:

@@ -29,7 +29,7 @@ UNREAD_MAX, FIELDS_MAX = 8, 16
 RECORDS_MAX, PUSH_BYTES = 1024, 1 << 20
 """Largest number of records of a push, about 8 ms, and largest size of chunks that are opened in it, about 2 ms."""
 
-STILLS_MAX, AIDS_MAX = 64, 4096
+STILLS_MAX = AIDS_MAX = 1 << 18
 """Largest number of rest flags for later samples; a recorder writes a flag right before its sample."""
 
 
@@ -63,7 +63,7 @@ class SampleStream:
         self._topic: str | None = None
         self._decoders: dict[int, Decode | None] = {}
         self._stills: deque[tuple[int, float]] = deque(maxlen=STILLS_MAX)
-        self._aids: deque[Aid] = deque(maxlen=AIDS_MAX)
+        self._aids: deque[tuple[int, Aid]] = deque(maxlen=AIDS_MAX)
         self._still = math.nan
         self._count = 0
         self._unread: dict[str, str] = {}
@@ -199,18 +199,20 @@ class SampleStream:
             if topic == STILLS.name:
                 self._stills.append(still_of(payload))
             else:
-                self._aids.append(aid_in(payload)[1])
+                self._aids.append(aid_in(payload))
         except BrokenRecordError:
             self.damaged += 1
 
     def _with_still(self, sample: Sample) -> Sample:
-        """Sample with the flag that holds from an earlier one on."""
+        """Sample with the flag that holds from an earlier one on, and with its second sources."""
         while self._stills and self._stills[0][0] <= self._count:
             self._still = self._stills.popleft()[1]
         self._count += 1
-        if self._aids:
-            sample = sample._replace(aids=tuple(self._aids))
-            self._aids.clear()
+        aids = []
+        while self._aids and self._aids[0][0] < self._count:
+            aids.append(self._aids.popleft()[1])
+        if aids:
+            sample = sample._replace(aids=tuple(aids))
         return sample if math.isnan(self._still) else sample._replace(still=self._still)
 
 

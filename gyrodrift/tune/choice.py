@@ -41,9 +41,9 @@ def worse_on_three_axes(params: FilterParams, sessions: Sequence[LoadedSession])
     if tuned_deg < default_deg:
         return ""
     has_axes = any(session.reference.axes is not None for session in with_more)
-    place = "on three axes" if has_axes else "with the second sources"
+    case = "on three axes" if has_axes else "with the second sources"
     return (
-        f"the parameters found on the rate of the heading are worse {place}: {tuned_deg:.3g} against "
+        f"the parameters found on the rate of the heading are worse {case}: {tuned_deg:.3g} against "
         f"{default_deg:.3g} deg RMS; the config has the defaults"
     )
 

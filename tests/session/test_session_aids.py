@@ -9,8 +9,9 @@ import pytest
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.session.aids import aids_in, aids_text
 from gyrodrift.session.files import load_session, write_session
+from gyrodrift.session.follow import SampleStream
 from gyrodrift.session.foreign.export import write_json
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, session_of
 from gyrodrift.values.aid import Aid
 from gyrodrift.values.errors import DataError
 
@@ -41,6 +42,17 @@ def test_every_format_keeps_them(table: Session, tmp_path: Path) -> None:
     write_json(tmp_path / "json.mcap", [table])
     for name in ("a.mcap", "a.csv", "json.mcap"):
         assert without_nan(load_session(tmp_path / name)) == without_nan(table)
+
+
+def test_a_reader_that_follows_the_file_gets_them_with_their_samples(table: Session, tmp_path: Path) -> None:
+    """A recording as a source gives the same samples as a live stream."""
+    path = tmp_path / "a.mcap"
+    write_session(path, [table])
+    stream = SampleStream("a")
+    samples = stream.push(path.read_bytes())
+    assert samples[0].aids[0].t_s == pytest.approx(-0.1)
+    followed = session_of("a", samples)
+    assert without_nan(followed) == without_nan(table)
 
 
 def test_other_times_and_left_out_samples_move_them(table: Session) -> None:

@@ -115,7 +115,7 @@ class FileSummary:
         return Statistics(
             attachment_count=0,
             channel_count=len(self.channels),
-            channel_message_counts=self.counts,
+            channel_message_counts=dict(sorted(self.counts.items())),
             chunk_count=0,
             message_count=count,
             message_start_time=self.first_ns if count else 0,
@@ -260,13 +260,16 @@ class McapWriter:
         self._send()
 
     def flush(self) -> None:
-        """Write everything added to the stream."""
-        self._hand_over(bytes(self._rows))
-        self._rows.clear()
+        """Write everything added to the stream.
+
+        Rest flags and second sources come before their samples, for a reader that follows the file.
+        """
         if self._others:
             self._hand_over(bytes(self._others))
             self._seal(bytes(self._others))
             self._others.clear()
+        self._hand_over(bytes(self._rows))
+        self._rows.clear()
         self._send()
 
     def finish(self) -> None:
@@ -293,7 +296,8 @@ class McapWriter:
 
     def _seal(self, content: bytes) -> None:
         """Queue the seal of the last bytes."""
-        self._hand_over(seal(self._seals, content, self.count, self.salt))
+        waiting = len(self._rows) // self._layout.message.size
+        self._hand_over(seal(self._seals, content, self.count - waiting, self.salt))
         self._seals += 1
 
     def _hand_over(self, content: bytes) -> None:
