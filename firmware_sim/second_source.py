@@ -92,7 +92,7 @@ class AidStream:
         """Angle, deg, rate, deg/s, and speed, m/s: it drives whenever it does not rest."""
         times = np.array([t_s])
         angle_deg, rate_dps = self._motion.motion_at(times)
-        stands = bool(is_still(self._motion, times, rate_dps)[0])  # type: ignore[arg-type]  # of either kind
+        stands = bool(is_still(self._motion, times, rate_dps)[0])
         return float(angle_deg[0]), float(rate_dps[0]), 0.0 if stands else self._aid.speed_mps
 
     def _begin_stretch(self, stretch: int) -> None:

@@ -32,7 +32,6 @@ PATIENCE_S, RELOAD_PATIENCE_S = 5.0, 45.0
 EXAMPLES = """\
 gyrodrift ctl /run/user/1000/gyro status
 gyrodrift ctl /run/user/1000/gyro zero
-gyrodrift ctl /run/user/1000/gyro heading 270
 gyrodrift ctl /run/user/1000/gyro heading 87 --sigma 2
 """
 
@@ -42,7 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("socket", type=Path, metavar="PATH", help="the socket of serve --control PATH")
     parser.add_argument("command", choices=COMMANDS, help="command of the list above")
     parser.add_argument("value", nargs="?", help="argument of heading, turn-rate, rest, rate, record and calibrate")
-    parser.add_argument("--sigma", metavar="SIGMA", help="standard deviation of heading or turn-rate, deg or deg/s")
+    parser.add_argument(
+        "--sigma",
+        metavar="SIGMA",
+        help="standard deviation of heading (deg) or turn-rate (deg/s); default: heading sets the north",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

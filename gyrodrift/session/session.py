@@ -223,8 +223,8 @@ def session_of(name: str, samples: Sequence[Sample]) -> Session:
     for optional in ("encoder_deg", "temp_c", "still"):
         if np.isnan(columns[optional]).all():
             del columns[optional]
-    columns |= {**axis_columns(axes), **device_columns(device_yaws)}
-    return session_of_columns(name, columns, aids=row_aids(aids))
+    further = {**axis_columns(axes), **device_columns(device_yaws)}
+    return session_of_columns(name, {**columns, **further}, aids=row_aids(aids))
 
 
 def row_aids(aids: Iterable[Sequence[Aid]]) -> RowAids | None:

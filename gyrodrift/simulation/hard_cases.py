@@ -21,7 +21,7 @@ from firmware_sim.effects.sensor_curve import ScaleFactor
 from firmware_sim.effects.sensor_dynamics import Vibration
 from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest
-from firmware_sim.rig import Base, HeadingAid, Rig, SimulatedAid, SpeedAid, WheelsAid
+from firmware_sim.rig import AnyAid, Base, HeadingAid, Rig, SpeedAid, WheelsAid
 from gyrodrift.io.files import write_whole
 from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
@@ -77,7 +77,7 @@ class Case:
     effects: Effects = lambda _: ()
     bias_dps: float | None = None
     swing_c: float = 0.0
-    aids: tuple[SimulatedAid, ...] = ()
+    aids: tuple[AnyAid, ...] = ()
 
 
 CASES = (

@@ -18,7 +18,8 @@ def sources_of(session: Session) -> Sources | None:
     """How each second source agrees at the end of a session; None without any."""
     if not session.aids:
         return None
-    run, by_row, differing = FilterRun(RESTLEVEL, RESTLEVEL.params()), aids_by_row(session.aids), {}
+    run, by_row = FilterRun(RESTLEVEL, RESTLEVEL.params()), aids_by_row(session.aids)
+    differing: Sources = {}
     columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "still", "temp_c"))
     for row, (inertial, t_s, rate_dps, still, temp_c) in enumerate(zip(session.inertials(), *columns, strict=True)):
         run.step(t_s, rate_dps, inertial, still, temp_c)
