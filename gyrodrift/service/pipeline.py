@@ -19,7 +19,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link
 from gyrodrift.service.calibrating import Calibrating, bias_of
-from gyrodrift.service.history import STEPS_AT_ONCE, History, SecondRun
+from gyrodrift.service.history import STEPS_AT_ONCE, History, HistoryPart, SecondRun
 from gyrodrift.service.listener import JudgedListener, ReaderGoneError, Sink
 from gyrodrift.service.reference import DeviceReference, EncoderReference, SmoothYaw, YawReference
 from gyrodrift.values.calibration import Calibration
@@ -102,6 +102,7 @@ class Pipeline(JudgedListener):
     _corrected_s: float = -inf
     _device_id: str = ""
     _is_one_axis_told: bool = False
+    _has_aids: bool = False
     _differing: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -127,11 +128,7 @@ class Pipeline(JudgedListener):
         for sample in calibrated:
             part = None if self.history is None else self.history.expect(self.run, sample)
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
-                if part is not None:
-                    part.keep(sample)
-                self._follow(sample)
-                corrected.append(self._corrected(sample))
-                self._step_deg = 0.0
+                corrected.append(self._accepted(sample, part))
         if calibrated:
             self._tell_axes(calibrated, had_axes=had_axes)
         for sink in tuple(self.sinks):
@@ -258,6 +255,21 @@ class Pipeline(JudgedListener):
         self.log.warning(event, **fields)
         self.tell(event, fields)
 
+    def _accepted(self, sample: Sample, part: HistoryPart | None) -> Corrected:
+        """Result of an accepted sample, whose second sources the filter hears first."""
+        for aid in sample.aids:
+            self.run.aid(aid)
+            self._has_aids = True
+        if (last := self.last) is not None:
+            step_s = sample.t_device_s - last.t_device_s
+            self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
+            self._follow_corrections(step_s)
+        if part is not None:
+            part.keep(sample)
+        self.last, corrected = sample, self._corrected(sample)
+        self._step_deg = 0.0
+        return corrected
+
     def _corrected(self, sample: Sample) -> Corrected:
         run, state, reference = self.run, self.run.state, self.reference
         bias_dps, yaw_deg = state.bias_dps, state.yaw_deg
@@ -280,7 +292,7 @@ class Pipeline(JudgedListener):
             self._correction_deg,
             run.corrections,
             nan if self._slew_dps is None else zeroed_deg - self.smooth.behind_deg,
-            run.aids or None,
+            run.aids if self._has_aids else None,
         )
 
     @property
@@ -326,16 +338,6 @@ class Pipeline(JudgedListener):
         fields = {"seconds": round(seconds, 1), "step_deg": round(self._step_deg, 3)}
         self.log.info("history_filtered", **fields)
         self.tell("history_filtered", fields)
-
-    def _follow(self, sample: Sample) -> None:
-        """Hand the second sources of an accepted sample to the filter, and count on: raw yaw and corrections."""
-        for aid in sample.aids:
-            self.run.aid(aid)
-        if (last := self.last) is not None:
-            step_s = sample.t_device_s - last.t_device_s
-            self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
-            self._follow_corrections(step_s)
-        self.last = sample
 
     def _follow_corrections(self, step_s: float) -> None:
         """Note the correction of the last sample, `step_s` after the one before."""
