@@ -147,6 +147,10 @@ class Base(Checked):
         return fields
 
 
+AidName = Literal["heading", "turn_rate", "wheels", "speed", "standing"]
+AIDS: tuple[AidName, ...] = get_args(AidName)
+
+
 class SimulatedAid(Checked):
     """Second source beside the gyro, and its flaws.
 
@@ -170,7 +174,7 @@ class SimulatedAid(Checked):
         Speed whenever the device does not rest, and distance of the wheels.
     """
 
-    name: Literal["heading", "turn_rate", "wheels", "speed", "standing"]
+    name: AidName
     every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 1.0
     late_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     sigma: Annotated[float, Field(ge=0.0, le=180.0)] = 0.0
@@ -188,61 +192,12 @@ class SimulatedAid(Checked):
     track_m: Annotated[float, Field(gt=0.0, le=10.0)] = 0.3
 
 
-class HeadingAid(SimulatedAid):
-    """A compass, a camera or a receiver."""
-
-    name: Literal["heading"] = "heading"
-    sigma: Annotated[float, Field(ge=0.0, le=180.0)] = 1.0
-
-
-class TurnRateAid(SimulatedAid):
-    """Optical flow, or wheels with a known track."""
-
-    name: Literal["turn_rate"] = "turn_rate"
-    every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 0.1
-    sigma: Annotated[float, Field(ge=0.0, le=180.0)] = 0.5
-
-
-class WheelsAid(SimulatedAid):
-    """Two wheels."""
-
-    name: Literal["wheels"] = "wheels"
-    every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 0.1
-    resolution: Annotated[float, Field(ge=0.0, le=90.0)] = 0.001
-
-
-class SpeedAid(SimulatedAid):
-    """A speed sensor."""
-
-    name: Literal["speed"] = "speed"
-    every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 0.2
-
-
-class StandingAid(SimulatedAid):
-    """A brake or a motor command."""
-
-    name: Literal["standing"] = "standing"
-    every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 0.5
-
-
-AIDS: Mapping[str, type[SimulatedAid]] = {
-    "heading": HeadingAid,
-    "turn_rate": TurnRateAid,
-    "wheels": WheelsAid,
-    "speed": SpeedAid,
-    "standing": StandingAid,
-}
-"""Second sources by name, with their usual errors."""
-
-AnyAid = Annotated[HeadingAid | TurnRateAid | WheelsAid | SpeedAid | StandingAid, Field(discriminator="name")]
-
-
 class Rig(Checked):
     """Rig: the ideal device, its effects and second sources; an effect may be listed several times."""
 
     base: Base = Base()
     effects: Annotated[tuple[AnyEffect, ...], Field(strict=False)] = ()
-    aids: Annotated[tuple[AnyAid, ...], Field(strict=False)] = ()
+    aids: Annotated[tuple[SimulatedAid, ...], Field(strict=False)] = ()
 
     @model_serializer(mode="wrap")
     def _without_aids(self, as_usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -283,7 +238,7 @@ def parse_aid(text: str) -> SimulatedAid:
     FileError
         The source or a parameter is unknown, or a value is invalid.
     """
-    return parse_named("aid", text, AIDS, lambda _kind: {})
+    return parse_named("aid", text, dict.fromkeys(AIDS, SimulatedAid), lambda _kind: {})
 
 
 def with_aids(rig: Rig, aids: Sequence[SimulatedAid]) -> Rig:

@@ -20,6 +20,9 @@ from gyrodrift.values.aid import Aid
 LONGEST_BYTES = 64 << 10
 """Longest line or message."""
 
+DEEPEST = 8
+"""Largest depth of nested objects that are read; an odometry of ROS has four."""
+
 VALID = "A"
 """Status of a valid NMEA sentence (NMEA 0183)."""
 
@@ -152,7 +155,7 @@ class _Reader:
 def _number(value: str | float) -> float:
     try:
         return float(value)
-    except ValueError:
+    except (ValueError, OverflowError):
         return nan
 
 
@@ -188,11 +191,11 @@ class LineValues:
                 yield "", by_position | dict(zip(fields.labels, fields.values, strict=True))
 
 
-def _leaves(content: Any, path: str = "") -> Iterator[tuple[str, str | float]]:
+def _leaves(content: Any, path: str = "", deepest: int = DEEPEST) -> Iterator[tuple[str, str | float]]:
     """Numbers and texts of an object by their path, with points."""
-    if isinstance(content, dict):
+    if isinstance(content, dict) and deepest:
         for key, value in content.items():
-            yield from _leaves(value, f"{path}.{as_label(key)}" if path else as_label(key))
+            yield from _leaves(value, f"{path}.{as_label(key)}" if path else as_label(key), deepest - 1)
     elif isinstance(content, (int, float, str)):
         yield path, float(content) if isinstance(content, bool) else content
 

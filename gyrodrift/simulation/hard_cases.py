@@ -21,7 +21,7 @@ from firmware_sim.effects.sensor_curve import ScaleFactor
 from firmware_sim.effects.sensor_dynamics import Vibration
 from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest
-from firmware_sim.rig import AnyAid, Base, HeadingAid, Rig, SpeedAid, WheelsAid
+from firmware_sim.rig import Base, Rig, SimulatedAid
 from gyrodrift.io.files import write_whole
 from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
@@ -77,7 +77,7 @@ class Case:
     effects: Effects = lambda _: ()
     bias_dps: float | None = None
     swing_c: float = 0.0
-    aids: tuple[AnyAid, ...] = ()
+    aids: tuple[SimulatedAid, ...] = ()
 
 
 CASES = (
@@ -133,19 +133,22 @@ AIDED_CASES = (
         "heading-a-minute",
         "no rest, and one heading a minute, late, with another zero, one in ten wrong",
         turns_without_rests,
-        aids=(HeadingAid(every_s=60.0, late_s=1.0, offset_deg=40.0, wrong_share=0.1),),
+        aids=(SimulatedAid(name="heading", every_s=60.0, late_s=1.0, offset_deg=40.0, wrong_share=0.1),),
     ),
     Case(
         "slipping-wheels",
         "wheels with a wrong track that slip, and a speed that reads 0 below a threshold",
         turns_with_rests,
-        aids=(WheelsAid(scale_percent=2.0, slip_share=0.2), SpeedAid(threshold=0.1)),
+        aids=(
+            SimulatedAid(name="wheels", every_s=0.1, scale_percent=2.0, slip_share=0.2),
+            SimulatedAid(name="speed", every_s=0.2, threshold=0.1),
+        ),
     ),
     Case(
         "walls",
         "directions of a building, coarse, and gone half of the time",
         turns_without_rests,
-        aids=(HeadingAid(every_s=5.0, sigma=3.0, period_deg=90.0, gone_share=0.5, resolution=1.0),),
+        aids=(SimulatedAid(name="heading", every_s=5.0, sigma=3.0, period_deg=90.0, gone_share=0.5, resolution=1.0),),
     ),
 )
 """Cases with a second source and its flaws; the gyro alone fails at most of them."""

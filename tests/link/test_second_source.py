@@ -1,12 +1,18 @@
 """Second sources on a link of their own: what each kind of message says."""
 
 import json
+from math import isfinite, isnan
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gyrodrift.columns.fields import checksum
 from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.second_source import SecondSource
+from gyrodrift.service.loop import Statements
+from gyrodrift.values.aid import Aid
+from gyrodrift.values.sample import Sample
 
 KN_MPS = 1852 / 3600
 
@@ -54,6 +60,35 @@ def test_lines_by_columns_of_the_user() -> None:
     ]
     rows = SecondSource("base", "_, turn_rate:rads")
     assert said(rows, b"1,1\n") == [("base.turn_rate", "turn_rate", 57.29578)]
+
+
+@given(
+    st.lists(
+        st.binary(max_size=60)
+        | st.sampled_from([b'{"a":' * 900, b'{"linear":{"x":1e999}}\n', b"$GPRMC,,A,,,,,x,y*00\n"])
+    )
+)
+def test_any_bytes_break_nothing(chunks: list[bytes]) -> None:
+    sources = [SecondSource("a"), SecondSource("b", "x=speed, y=heading"), SecondSource("c", "speed, rest")]
+    for chunk in chunks:
+        for source in sources:
+            assert all(isfinite(aid.value) for aid in source.take(chunk))
+
+
+def test_a_measurement_waits_for_the_next_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its time is that of the sample, or lies before it if the gyro was silent meanwhile."""
+    now_s = 100.0
+    monkeypatch.setattr("time.monotonic", lambda: now_s)
+    statements = Statements()
+    statements.take(Aid("ctl", "heading", 1.0))
+    assert statements.joined([]) == []
+    (first, second) = statements.joined([Sample(0, 7.0, 0.0, 0.0), Sample(1, 7.1, 0.0, 0.0)])
+    assert (len(first.aids), second.aids) == (1, ())
+    assert isnan(first.aids[0].t_s)
+    statements.take(Aid("gps", "speed", 1.0, t_s=-0.25))
+    now_s = 103.0
+    (late,) = statements.joined([Sample(2, 10.0, 0.0, 0.0)])
+    assert late.aids[0].t_s == 6.75
 
 
 def test_messages_of_an_autopilot() -> None:
