@@ -1,17 +1,10 @@
-"""Errors that a second source has of its own, and the scale error of the gyro that a heading shows.
-
-Both are states of a Kalman filter together with yaw and bias. The filter keeps yaw and bias; here are the other states,
-and their covariances with both. So a source that was calibrated by the gyro does not confirm the gyro.
-"""
+"""Errors that a second source has of its own, and the scale error of the gyro that a heading shows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, nan, sqrt
+from math import nan, sqrt
 
 from gyrodrift.filters.aids.reading import AidMoments, AidReading
-
-MOST_CORRELATED = 0.9999
-"""Largest correlation of an error of a source with the filter: rounding may not reach 1."""
 
 CROSS_AXIS = 0.002
 """Scale error that changes from turn to turn, as a share: a fifth of the scale error, as in the attitude filter."""
@@ -19,59 +12,44 @@ CROSS_AXIS = 0.002
 
 @dataclass(slots=True)
 class OwnErrors:
-    """Means of the errors, their covariance matrix, and their covariances with bias and yaw of the filter.
+    """Means of the errors of a source and their covariance matrix.
 
-    bias_var, yaw_var
-        Variances of the filter after the last measurement.
+    They are learned beside the filter, as if independent of it. In turn neither makes the other more certain than
+    itself: a source that the gyro has calibrated does not confirm the gyro.
+
+    shared_var, shared_covariance
+        Variance of yaw and covariance with the bias that an offset shares, because it was learned from yaw.
     is_fixed
         The errors are not learned any more, but stay uncertain (Schmidt 1966).
     """
 
     mean: list[float]
     cov: list[list[float]]
-    with_bias: list[float]
-    with_yaw: list[float]
-    bias_var: float = inf
-    yaw_var: float = inf
+    shared_var: float = 0.0
+    shared_covariance: float = 0.0
     is_fixed: bool = False
 
-    def follow(self, m: AidMoments, seconds: float, walk_var: float) -> None:
-        """Go over time since the last measurement: yaw turned by the error of the bias, or was measured meanwhile."""
-        kept_bias = min(1.0, m.bias_var / self.bias_var) if self.bias_var > 0.0 else 0.0
-        kept_yaw = min(1.0, m.yaw_var / self.yaw_var) if self.yaw_var > 0.0 else 0.0
+    def own_var(self, shape: Sequence[float]) -> float:
+        """Variance of a measurement's error whose parts come with these factors."""
+        return max(0.0, _dot(shape, [_dot(row, shape) for row in self.cov]))
+
+    def wander(self, seconds: float, walk_var: float) -> None:
+        """Let the errors walk at random over a time."""
         for i, row in enumerate(self.cov):
             row[i] += walk_var * seconds
-            with_yaw, with_bias = self.with_yaw[i] - self.with_bias[i] * seconds, self.with_bias[i]
-            self.with_yaw[i] = bounded(kept_yaw * with_yaw, row[i] * m.yaw_var)
-            self.with_bias[i] = bounded(kept_bias * with_bias, row[i] * m.bias_var)
-
-    def reading(
-        self, shape: Sequence[float], value: float, variance: float, m: AidMoments, period_deg: float = 0.0
-    ) -> AidReading:
-        """A measurement without the mean of the errors, which come with the factors `shape`."""
-        own_var = max(0.0, _dot(shape, [_dot(row, shape) for row in self.cov]))
-        return AidReading(
-            period_deg > 0.0,
-            value - _dot(shape, self.mean),
-            variance,
-            own_var,
-            _correlation(_dot(shape, self.with_bias), own_var * m.bias_var),
-            _correlation(_dot(shape, self.with_yaw), own_var * m.yaw_var),
-            period_deg,
-        )
 
     def update(self, shape: Sequence[float], reading: AidReading, m: AidMoments, right: float) -> None:
         """Learn from a measurement that is right with this probability; `m` are the moments before it."""
+        if self.is_fixed:
+            return
         innovation, variance = reading.innovation(m)
-        with_measured = self.with_yaw if reading.is_heading else self.with_bias
-        gain = [(w + _dot(row, shape)) / variance for w, row in zip(with_measured, self.cov, strict=True)]
-        bias_gain, yaw_gain = reading.gains(m)
+        gain = [_dot(row, shape) / variance for row in self.cov]
+        filter_var, own_var = m.yaw_var - self.shared_var if reading.is_heading else m.bias_var, reading.own_var
         spread = right * (variance - (1.0 - right) * innovation * innovation)
+        taken_var = spread * own_var * own_var / (variance * variance)
+        most_var = max(0.0, own_var - max(0.0, filter_var))
+        spread *= min(1.0, most_var / taken_var) if taken_var > 0.0 else 1.0
         for i, g in enumerate(gain):
-            self.with_bias[i] -= spread * g * bias_gain
-            self.with_yaw[i] -= spread * g * yaw_gain
-            if self.is_fixed:
-                continue
             self.mean[i] += right * g * innovation
             for j, second_gain in enumerate(gain):
                 self.cov[i][j] -= spread * g * second_gain
@@ -102,21 +80,13 @@ class ScaleError:
     def update(self, reading: AidReading, m: AidMoments, right: float) -> None:
         """Learn from a heading that is right with this probability; `m` are the moments before it."""
         innovation, variance = reading.innovation(m)
-        with_yaw = bounded(self.with_yaw, self.variance * m.yaw_var)
+        most = sqrt(self.variance * m.yaw_var)
+        with_yaw = max(-most, min(self.with_yaw, most))
         gain = with_yaw / variance
         spread = right * (variance - (1.0 - right) * innovation * innovation)
         self.mean += right * gain * innovation
         self.variance = max(0.0, self.variance - spread * gain * gain)
-        self.with_yaw = with_yaw - spread * gain * reading.gains(m)[1]
-
-
-def bounded(covariance: float, variances: float) -> float:
-    """A covariance that the product of both variances allows."""
-    return _correlation(covariance, variances) * sqrt(max(0.0, variances))
-
-
-def _correlation(covariance: float, variances: float) -> float:
-    return max(-MOST_CORRELATED, min(covariance / sqrt(variances), MOST_CORRELATED)) if variances > 0.0 else 0.0
+        self.with_yaw = with_yaw - spread * gain * m.yaw_var / variance
 
 
 def _dot(a: Sequence[float], b: Sequence[float]) -> float:

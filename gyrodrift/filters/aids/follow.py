@@ -91,14 +91,16 @@ class Aids:
         self.scale = ScaleError(self.plain_scale, motion_deg=self._motion.turn_deg)
         self.plain = None
         for source in self._sources.values():
-            source.forget()
+            if source.trust.differs == "":
+                source.forget()
 
     def _measure_all(self, aided: AidedFilter, c: Any, s: Any) -> None:
         """Measure all that is due; what is older than the known motion is lost."""
         now_s, from_s = self._now_s, self._motion.from_s
         due = [aid for aid in self._waiting if aid.t_s <= now_s]
         self._waiting = [aid for aid in self._waiting if now_s < aid.t_s <= now_s + HISTORY_S]
-        if self.plain is None and not all(aid.name in self._sources for aid in due):
+        is_trial = any(not (it.trust.is_proven or it.trust.differs) for it in self._sources.values())
+        if self.plain is None and (is_trial or not all(aid.name in self._sources for aid in due)):
             self.plain, self.plain_scale = deepcopy(s), self.scale.mean
         for aid in due:
             if aid.t_s == -inf or aid.t_s >= from_s:

@@ -1,7 +1,7 @@
 """A source of headings, whose zero may be another than that of yaw."""
 
 from dataclasses import dataclass, field
-from math import atan2, degrees, hypot, inf, isfinite, isnan, sqrt
+from math import atan2, degrees, hypot, inf, isnan, sqrt
 from typing import Any
 
 from gyrodrift.filters.aids.errors import OwnErrors, ScaleError
@@ -43,8 +43,7 @@ class HeadingSource:
 
     def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: RecentMotion, scale: ScaleError) -> None:
         """Let the filter take a heading."""
-        seconds = aid.t_s - self.used_s
-        if seconds < EVERY_S:
+        if aid.t_s - self.used_s < EVERY_S:
             return
         self.used_s = aid.t_s
         if aided.add_scale_error is not None:
@@ -56,18 +55,20 @@ class HeadingSource:
         plain = AidReading(True, value, variance, period_deg=aid.period_deg)
         if self.offset is None:
             self.offset = first_offset(plain, m)
-        elif isfinite(seconds):
-            self.offset.follow(m, seconds, 0.0)
-        self.offset.is_fixed = self.offset.is_fixed or m.yaw_var > self.offset.cov[0][0]
-        reading = self.offset.reading((1.0,), value, variance, m, aid.period_deg)
+        own_var, shared_var = self.offset.cov[0][0], self.offset.shared_var
+        self.offset.is_fixed = self.offset.is_fixed or m.yaw_var - shared_var > own_var
+        reading = plain._replace(
+            value=value - self.offset.mean[0],
+            own_var=own_var,
+            shared_var=shared_var,
+            shared_covariance=self.offset.shared_covariance,
+        )
         if self.trust.judge(reading, m, counts=True):
             right = aided.take(c, s, reading)
             self.offset.update((1.0,), reading, m, right)
-            after = aided.moments(s)
-            self.offset.bias_var, self.offset.yaw_var = after.bias_var, after.yaw_var
             if aided.add_scale_error is not None:
                 scale.update(reading, m, right)
-        elif self.trust.agreed == 0:  # its offset may be another one now
+        elif self.trust.log_odds == 0.0:  # its offset may be another one now
             self.offset = unknown_offset(plain, m)
 
 
@@ -82,13 +83,10 @@ def first_offset(reading: AidReading, m: AidMoments) -> OwnErrors:
     """Offset of a source by its first heading: none if it is near yaw."""
     difference, variance = reading.innovation(m)
     if abs(difference) < SAME_ZERO_SIGMAS * sqrt(variance):
-        return OwnErrors([0.0], [[0.0]], [0.0], [0.0])
+        return OwnErrors([0.0], [[0.0]])
     return unknown_offset(reading, m)
 
 
 def unknown_offset(reading: AidReading, m: AidMoments) -> OwnErrors:
     """Offset of a source by a single heading, with the errors of the heading and of yaw."""
-    variance = m.yaw_var + reading.variance
-    return OwnErrors(
-        [reading.difference(m.yaw_deg)], [[variance]], [-m.covariance], [-m.yaw_var], m.bias_var, m.yaw_var
-    )
+    return OwnErrors([reading.difference(m.yaw_deg)], [[reading.variance]], m.yaw_var, m.covariance)

@@ -23,16 +23,16 @@ class AidMoments(NamedTuple):
 
 
 class AidReading(NamedTuple):
-    """A measurement with errors of two kinds: chance, and those of its source, which the gyro may have calibrated.
+    """A measurement with errors of two kinds: chance, and those of its source, which are the same next time.
 
     is_heading
         Whether it measures yaw, deg; else the bias, deg/s.
     value, variance
         Measured value, and variance of its chance error.
     own_var
-        Variance of the error of its source.
-    bias_correlation, yaw_correlation
-        Correlations of that error with the errors of bias and yaw of the filter.
+        Variance of the error of its source. No number of measurements makes the filter more certain than that.
+    shared_var, shared_covariance
+        Variance of yaw, and its covariance with the bias, that the source shares: its zero was learned from yaw.
     period_deg
         Period of a heading, deg; 0 for a bias.
     """
@@ -41,8 +41,8 @@ class AidReading(NamedTuple):
     value: float
     variance: float
     own_var: float = 0.0
-    bias_correlation: float = 0.0
-    yaw_correlation: float = 0.0
+    shared_var: float = 0.0
+    shared_covariance: float = 0.0
     period_deg: float = 0.0
 
     def difference(self, expected: float) -> float:
@@ -51,26 +51,10 @@ class AidReading(NamedTuple):
         period = self.period_deg
         return difference - period * round(difference / period) if period > 0.0 else difference
 
-    def with_bias(self, bias_var: float) -> float:
-        """Covariance of the error of the source with a bias of this variance."""
-        return _bounded(self.bias_correlation, self.own_var, bias_var)
-
-    def with_yaw(self, yaw_var: float) -> float:
-        """Covariance of the error of the source with a yaw of this variance."""
-        return _bounded(self.yaw_correlation, self.own_var, yaw_var)
-
     def innovation(self, m: AidMoments) -> tuple[float, float]:
         """Difference to the filter, and its variance."""
-        variance = self.own_var + self.variance
-        if self.is_heading:
-            return self.difference(m.yaw_deg), m.yaw_var + 2.0 * self.with_yaw(m.yaw_var) + variance
-        return self.difference(m.bias_dps), m.bias_var + 2.0 * self.with_bias(m.bias_var) + variance
-
-    def gains(self, m: AidMoments) -> tuple[float, float]:
-        """Gains for bias and yaw of the filter."""
-        _, variance = self.innovation(m)
-        bias, yaw = (m.covariance, m.yaw_var) if self.is_heading else (m.bias_var, m.covariance)
-        return (bias + self.with_bias(m.bias_var)) / variance, (yaw + self.with_yaw(m.yaw_var)) / variance
+        expected, variance = (m.yaw_deg, m.yaw_var) if self.is_heading else (m.bias_dps, m.bias_var)
+        return self.difference(expected), max(0.0, variance - self.shared_var) + self.own_var + self.variance
 
     def odds(self, m: AidMoments) -> float:
         """Density of the value for a source that is right most times, over that of chance values."""
@@ -104,11 +88,6 @@ class AidedFilter:
     moments: Callable[[Any], AidMoments]
     take: Callable[[Any, Any, AidReading], float]
     add_scale_error: Callable[[Any, Any, float], None] | None = None
-
-
-def _bounded(correlation: float, own_var: float, variance: float) -> float:
-    """Covariance with which a measurement does not move the filter away from itself."""
-    return max(-variance, correlation * sqrt(own_var * variance)) if variance > 0.0 else 0.0
 
 
 def normal_pdf(x: float, variance: float) -> float:

@@ -11,14 +11,14 @@ from typing import Any
 from gyrodrift.filters.aids.errors import OwnErrors
 from gyrodrift.filters.aids.heading import EVERY_S, LATE_S
 from gyrodrift.filters.aids.motion import RecentMotion
-from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter
+from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidReading
 from gyrodrift.filters.aids.trust import Trust
 from gyrodrift.values.aid import Aid
 
 RATE_DPS = 0.5
 """Standard deviation of the mean turn rate of a source that states none, deg/s. Chosen: wheels over a second."""
 
-SCALE_SIGMA, RATIO_SIGMA, RATIO_WALK = 0.05, 0.001, 0.0001
+SCALE_SIGMA, RATIO_SIGMA, RATIO_WALK = 0.05, 0.001, 0.00002
 """Standard deviations of the scale of a turn rate and of the ratio of two wheels, as shares, and random walk of both,
 1/√s. Chosen: tracks of robots under a motion capture were 2.5 % off, and their ratios moved by 0.1 %."""
 
@@ -59,7 +59,7 @@ class RateSource:
         """Forget scale and ratio, which were learned from the filter."""
         scale_sigma = TRACK_DPS if self.is_wheels else SCALE_SIGMA
         cov = [[scale_sigma * scale_sigma, 0.0], [0.0, RATIO_SIGMA * RATIO_SIGMA]]
-        self.errors = OwnErrors([0.0, 0.0], cov, [0.0, 0.0], [0.0, 0.0])
+        self.errors = OwnErrors([0.0, 0.0], cov)
 
     def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: RecentMotion) -> None:
         """Add a rate to the mean of its second, and compare the mean with the gyro at its end."""
@@ -76,22 +76,24 @@ class RateSource:
         errors, scale, scale_sigma = self.errors, 1.0, 0.0
         if self.is_wheels:
             scale, scale_sigma = errors.mean[0], sqrt(errors.cov[0][0])
-        errors.follow(m, length_s, RATIO_WALK * RATIO_WALK)
+        errors.wander(length_s, RATIO_WALK * RATIO_WALK)
         sigma = aid.sigma * scale if aid.sigma > 0.0 else RATE_DPS
         late_dps = LATE_S * scale * (aid.value - before) / step_s
         variance = sigma * sigma + (SLIP * scale * rate) ** 2 + late_dps * late_dps
         shape = (rate, hypot(scale, scale_sigma) * speed if self.is_wheels else 0.0)
-        reading = errors.reading(shape, measured_dps - (0.0 if self.is_wheels else rate), variance, m)
+        own_dps = shape[0] * errors.mean[0] + shape[1] * errors.mean[1] + (0.0 if self.is_wheels else rate)
+        reading = AidReading(
+            is_heading=False, value=measured_dps - own_dps, variance=variance, own_var=errors.own_var(shape)
+        )
         beyond_dps = abs(measured_dps - m.bias_dps) - SIGN_SIGMAS * sqrt(m.bias_var)
-        is_turning = max(abs(scale * rate), beyond_dps) > TURNING_DPS and scale * scale > 4.0 * scale_sigma**2
+        is_known = scale > 2.0 * scale_sigma
+        is_turning = is_known and max(abs(scale * rate), beyond_dps) > TURNING_DPS
         if self.is_wheels and scale < -SIGN_SIGMAS * scale_sigma:
             self.trust.leave_out(BACKWARDS)
         elif self.trust.judge(reading, m, counts=is_turning):
-            is_straight = abs(scale * rate) < TURNING_DPS
+            is_straight = is_known and abs(scale * rate) < TURNING_DPS
             right = aided.take(c, s, reading) if is_straight else 1.0 - WRONG_SHARE / reading.odds(m)
             errors.update(shape, reading, m, right)
-            after = aided.moments(s)
-            errors.bias_var, errors.yaw_var = after.bias_var, after.yaw_var
 
     def _add(self, aid: Aid) -> None:
         """Add to the integrals of this second by trapezoids; a pause begins another one."""

@@ -7,13 +7,12 @@ import numpy as np
 
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading
 from gyrodrift.filters.attitude.block import next_block
-from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, Hypotheses
+from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING
 from gyrodrift.filters.attitude.mixture import ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.update import publish
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.filters.gaps import CORRECTION_DEG
-from gyrodrift.values.arrays import Floats
 from gyrodrift.values.quaternion import heading_axis
 
 LEAST_VAR = 1e-12
@@ -40,11 +39,22 @@ def moments(s: AttitudeState) -> AidMoments:
 def take(_c: AttitudeCoefficients, s: AttitudeState, reading: AidReading) -> float:
     """Update all hypotheses, and give the probability that the measurement is right."""
     h, axis = s.hypotheses, np.array(heading_axis(s.q))
-    innovation, gain, variance = _innovations(h, axis, reading)
+    expected = h.yaw_deg if reading.is_heading else np.degrees(h.bias @ axis)
+    innovation = np.array([reading.difference(value) for value in expected.tolist()])
+    carried = (h.cov[:, :, HEADING] if reading.is_heading else h.cov[:, :, BIAS] @ axis) / RAD**2
+    if reading.is_heading:
+        carried[:, HEADING] = np.maximum(carried[:, HEADING] - reading.shared_var, 0.0)
+        carried[:, BIAS] -= reading.shared_covariance * axis
+        most = np.sqrt(np.diagonal(h.cov, axis1=1, axis2=2) / RAD**2 * carried[:, HEADING : HEADING + 1])
+        carried = np.clip(carried, -most, most)
+    known = np.maximum(carried[:, HEADING] if reading.is_heading else carried[:, BIAS] @ axis, LEAST_VAR)
+    variance = known + reading.own_var + reading.variance
     density = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2.0 * np.pi * variance)
     likelihood = (1.0 - WRONG_SHARE) * density + WRONG_SHARE / reading.range
     right = (1.0 - WRONG_SHARE) * density / likelihood
-    spread = right * (variance - (1.0 - right) * innovation**2)
+    taken = np.minimum(1.0, np.maximum(0.0, 1.0 - reading.own_var / known) * variance / known)
+    spread = right * (taken * variance - (1.0 - right) * innovation**2)
+    gain = carried / variance[:, None]
     h.correct(np.radians(right * innovation)[:, None] * gain)
     h.cov = h.cov - RAD**2 * spread[:, None, None] * gain[:, :, None] * gain[:, None, :]
     h.weight = h.weight * likelihood
@@ -58,25 +68,6 @@ def take(_c: AttitudeCoefficients, s: AttitudeState, reading: AidReading) -> flo
     s.correction_deg += s.yaw_deg - before_deg
     s.corrections += int(abs(s.correction_deg) > CORRECTION_DEG >= abs(before_step_deg))
     return agreement
-
-
-def _innovations(h: Hypotheses, axis: Floats, reading: AidReading) -> tuple[Floats, Floats, Floats]:
-    """Innovations (n), deg or deg/s; gains (n, 21) in rad for each rad; variances (n) of the innovations."""
-    expected = h.yaw_deg if reading.is_heading else np.degrees(h.bias @ axis)
-    innovation = np.array([reading.difference(value) for value in expected.tolist()])
-    with_states = (h.cov[:, :, HEADING] if reading.is_heading else h.cov[:, :, BIAS] @ axis) / RAD**2
-    own_sigma = np.sqrt(reading.own_var)
-    yaw_sigma = np.sqrt(h.cov[:, HEADING, HEADING]) / RAD
-    bias_sigma = np.sqrt(axis @ h.cov[:, BIAS, BIAS] @ axis) / RAD
-    own_yaw = np.maximum(reading.yaw_correlation * own_sigma, -yaw_sigma) * yaw_sigma  # never away from the measurement
-    own_bias = np.maximum(reading.bias_correlation * own_sigma, -bias_sigma) * bias_sigma
-    with_states[:, HEADING] += own_yaw
-    with_states[:, BIAS] += own_bias[:, None] * axis
-    itself = with_states[:, HEADING] + own_yaw if reading.is_heading else with_states[:, BIAS] @ axis + own_bias
-    diagonal = np.diagonal(h.cov, axis1=1, axis2=2) / RAD**2
-    least = np.max(with_states**2 / np.maximum(diagonal, LEAST_VAR), axis=1)  # no variance falls below 0
-    variance = np.maximum(itself + reading.own_var + reading.variance, least)
-    return innovation, with_states / variance[:, None], variance
 
 
 AIDED = AidedFilter(has_block_ended, rate_dps, moments, take)

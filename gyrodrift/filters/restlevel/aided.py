@@ -1,8 +1,7 @@
 """Measurements of yaw and of the bias by a second source, for all hypotheses of restlevel at the end of a block.
 
 Each hypothesis is updated as in the probabilistic data association filter (Bar-Shalom and Tse 1975): the measurement is
-right or wrong, and the posterior is the mixture of both cases. If it is right, the bias has walked or followed a ramp
-since the last measurement, as at a rest.
+right or wrong, and the posterior is the mixture of both cases.
 """
 
 from math import sqrt
@@ -10,7 +9,7 @@ from math import sqrt
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
 from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY, KalmanStep, mix
+from gyrodrift.filters.restlevel.kalman import KalmanStep, mix
 from gyrodrift.filters.restlevel.mixture import collapse, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.zero import scale_sigma_deg
@@ -71,21 +70,15 @@ def take(c: RestlevelCoefficients, s: RestlevelState, reading: AidReading) -> fl
 
 def _update(c: RestlevelCoefficients, h: Hypothesis, reading: AidReading) -> tuple[float, float]:
     """Update a hypothesis; likelihood of the measurement, and the probability that it is right."""
-    ramp_dps = 0.0 if h.is_at_rest or not h.knows_bias else c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
     innovation = reading.difference(h.yaw_deg if reading.is_heading else h.bias_dps)
-    before = KalmanStep(0.0, 0.0, h.bias_var, h.covariance, h.yaw_var)
-    walk, walk_density = _step(h, reading, innovation, 0.0)
-    ramp, ramp_density = _step(h, reading, innovation, ramp_dps * ramp_dps)
-    density = (1.0 - RAMP_PROBABILITY) * walk_density + RAMP_PROBABILITY * ramp_density
+    step, density = _kalman_step(h, reading, innovation)
     likelihood = (1.0 - WRONG_SHARE) * density + WRONG_SHARE / reading.range
     share = (1.0 - WRONG_SHARE) * density / likelihood
-    yaw_deg = h.yaw_deg
-    mixed = mix(walk, ramp, RAMP_PROBABILITY * ramp_density / density if density > 0.0 else 0.0)
-    mixed = mix(before, mixed, share)
+    mixed = mix(KalmanStep(0.0, 0.0, h.bias_var, h.covariance, h.yaw_var), step, share)
     h.bias_dps += mixed.bias_dps
     h.yaw_deg += mixed.yaw_deg
     h.bias_var, h.covariance, h.yaw_var = mixed.bias_var, mixed.covariance, mixed.yaw_var
-    h.checkpoint.yaw_deg += h.yaw_deg - yaw_deg
+    h.checkpoint.yaw_deg += mixed.yaw_deg
     h.checkpoint.yaw_var, h.checkpoint.covariance = h.yaw_var, h.covariance
     if share > MEASURED:
         h.moving_s = h.checkpoint.moving_s = 0.0
@@ -93,27 +86,24 @@ def _update(c: RestlevelCoefficients, h: Hypothesis, reading: AidReading) -> tup
     return likelihood, share
 
 
-def _step(h: Hypothesis, reading: AidReading, innovation: float, ramp_var: float) -> tuple[KalmanStep, float]:
-    """Kalman update after a ramp of the bias with this variance, and the density of the innovation."""
-    half_s = 0.5 * h.moving_s
-    bias_var, covariance = h.bias_var + ramp_var, h.covariance - ramp_var * half_s
-    yaw_var = h.yaw_var + ramp_var * half_s * half_s
-    own_bias, own_yaw = reading.with_bias(bias_var), reading.with_yaw(yaw_var)
+def _kalman_step(h: Hypothesis, reading: AidReading, innovation: float) -> tuple[KalmanStep, float]:
+    """Kalman update of a hypothesis if the measurement is right, and the density of the innovation."""
     if reading.is_heading:
-        with_bias, with_yaw = covariance + own_bias, yaw_var + own_yaw
-        variance = with_yaw + own_yaw + reading.own_var + reading.variance
+        known_var = max(0.0, h.yaw_var - reading.shared_var)
+        most = sqrt(max(0.0, h.bias_var) * known_var)
+        with_bias, with_yaw = max(-most, min(h.covariance - reading.shared_covariance, most)), known_var
     else:
-        with_bias, with_yaw = bias_var + own_bias, covariance + own_yaw
-        variance = with_bias + own_bias + reading.own_var + reading.variance
-    for share, own_var in ((with_bias, bias_var), (with_yaw, yaw_var)):  # no variance falls below 0
-        variance = max(variance, share * share / own_var) if own_var > 0.0 else variance
+        known_var = h.bias_var
+        with_bias, with_yaw = h.bias_var, h.covariance
+    variance = known_var + reading.own_var + reading.variance
     bias_gain, yaw_gain = with_bias / variance, with_yaw / variance
+    taken = min(1.0, max(0.0, 1.0 - reading.own_var / known_var) * variance / known_var) if known_var > 0.0 else 0.0
     step = KalmanStep(
         bias_gain * innovation,
         yaw_gain * innovation,
-        max(0.0, bias_var - bias_gain * with_bias),
-        covariance - bias_gain * with_yaw,
-        max(0.0, yaw_var - yaw_gain * with_yaw),
+        max(0.0, h.bias_var - taken * bias_gain * with_bias),
+        h.covariance - taken * bias_gain * with_yaw,
+        max(0.0, h.yaw_var - taken * yaw_gain * with_yaw),
     )
     return step, normal_pdf(innovation, variance)
 

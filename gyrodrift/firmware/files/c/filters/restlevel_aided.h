@@ -10,43 +10,34 @@
 #define GD_KNOWN_SHARE GD_R(0.01) /* variance of a bias that a measurement has made known, as a share of the prior */
 #define GD_MEASURED GD_R(0.5)     /* probability of a right measurement from which on the bias counts as measured */
 
-/* Update after a ramp of the bias with this variance; returns the density of the innovation. */
-static inline gd_real gd_rl_aid_step(gd_rl_kalman *k, const gd_rl_hypothesis *h, const gd_aid *aid, gd_real innovation,
-                                     gd_real ramp_var) {
-  const gd_real half_s = GD_R(0.5) * h->moving_s;
-  const gd_real bias_var = h->bias_var + ramp_var, covariance = h->covariance - ramp_var * half_s;
-  const gd_real yaw_var = h->yaw_var + ramp_var * half_s * half_s;
+/* Update if the measurement is right; returns the density of the innovation. */
+static inline gd_real gd_rl_aid_step(gd_rl_kalman *k, const gd_rl_hypothesis *h, const gd_aid *aid,
+                                     gd_real innovation) {
   const int is_heading = aid->period_deg > GD_R(0.0);
-  const gd_real with_bias = is_heading ? covariance : bias_var, with_yaw = is_heading ? yaw_var : covariance;
+  const gd_real with_bias = is_heading ? h->covariance : h->bias_var;
+  const gd_real with_yaw = is_heading ? h->yaw_var : h->covariance;
   const gd_real variance = (is_heading ? with_yaw : with_bias) + aid->variance;
   const gd_real bias_gain = with_bias / variance, yaw_gain = with_yaw / variance;
   k->bias_dps = bias_gain * innovation;
   k->yaw_deg = yaw_gain * innovation;
-  k->bias_var = gd_max(GD_R(0.0), bias_var - bias_gain * with_bias);
-  k->covariance = covariance - bias_gain * with_yaw;
-  k->yaw_var = gd_max(GD_R(0.0), yaw_var - yaw_gain * with_yaw);
+  k->bias_var = gd_max(GD_R(0.0), h->bias_var - bias_gain * with_bias);
+  k->covariance = h->covariance - bias_gain * with_yaw;
+  k->yaw_var = gd_max(GD_R(0.0), h->yaw_var - yaw_gain * with_yaw);
   return gd_normal_pdf(innovation, variance);
 }
 
 /* Updates a hypothesis and its weight: the measurement is right or wrong. */
 static inline void gd_rl_aid_update(const gd_rl_coefficients *c, gd_rl_hypothesis *h, const gd_aid *aid,
                                     gd_real expected_deg) {
-  const gd_real ramp_dps = h->is_at_rest || !h->knows_bias ? GD_R(0.0)
-                                                           : c->rate_ramp_dps_s * gd_min(h->moving_s, GD_MAX_RAMP_S);
   const gd_real expected = aid->period_deg > GD_R(0.0) ? h->yaw_deg - expected_deg : h->bias_dps;
   const gd_real innovation = gd_aid_wrap(aid, aid->value - expected), before_deg = h->yaw_deg;
-  gd_rl_kalman none = {GD_R(0.0), GD_R(0.0), GD_R(0.0), GD_R(0.0), GD_R(0.0)}, walk, ramp, right;
-  const gd_real walk_density = gd_rl_aid_step(&walk, h, aid, innovation, GD_R(0.0));
-  const gd_real ramp_density = gd_rl_aid_step(&ramp, h, aid, innovation, ramp_dps * ramp_dps);
-  const gd_real density =
-      (GD_R(1.0) - GD_RAMP_PROBABILITY) * walk_density + GD_RAMP_PROBABILITY * ramp_density;
+  gd_rl_kalman none = {GD_R(0.0), GD_R(0.0), GD_R(0.0), GD_R(0.0), GD_R(0.0)}, right;
+  const gd_real density = gd_rl_aid_step(&right, h, aid, innovation);
   const gd_real likelihood = (GD_R(1.0) - GD_WRONG_SHARE) * density + gd_aid_wrong_density(aid);
   const gd_real share = (GD_R(1.0) - GD_WRONG_SHARE) * density / likelihood;
   none.bias_var = h->bias_var;
   none.covariance = h->covariance;
   none.yaw_var = h->yaw_var;
-  right = gd_rl_mixture(&walk, &ramp,
-                        density > GD_R(0.0) ? GD_RAMP_PROBABILITY * ramp_density / density : GD_R(0.0));
   gd_rl_mix(h, &none, &right, share);
   h->checkpoint.yaw_deg += h->yaw_deg - before_deg;
   h->checkpoint.yaw_var = h->yaw_var;

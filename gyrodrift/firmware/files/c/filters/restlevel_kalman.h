@@ -30,29 +30,17 @@ static inline gd_real gd_rl_gaussian_logpdf(gd_real x, gd_real variance) {
   return GD_R(-0.5) * (x * x / variance + GD_LOG(GD_R(2.0) * GD_PI * variance));
 }
 
-/* Moments of the mixture of two posteriors; `share` is the weight of the second. */
-static inline gd_rl_kalman gd_rl_mixture(const gd_rl_kalman *first, const gd_rl_kalman *second, gd_real share) {
-  const gd_real apart_dps = second->bias_dps - first->bias_dps, apart_deg = second->yaw_deg - first->yaw_deg;
-  const gd_real spread = share * (GD_R(1.0) - share);
-  gd_rl_kalman k;
-  k.bias_dps = first->bias_dps + share * apart_dps;
-  k.yaw_deg = first->yaw_deg + share * apart_deg;
-  k.bias_var = first->bias_var + share * (second->bias_var - first->bias_var) + spread * apart_dps * apart_dps;
-  k.covariance =
-      first->covariance + share * (second->covariance - first->covariance) + spread * apart_dps * apart_deg;
-  k.yaw_var = first->yaw_var + share * (second->yaw_var - first->yaw_var) + spread * apart_deg * apart_deg;
-  return k;
-}
-
-/* Moves a hypothesis to the mixture of two posteriors. */
+/* Moves a hypothesis to the moments of the mixture of two posteriors; `share` is the weight of the second. */
 static inline void gd_rl_mix(gd_rl_hypothesis *h, const gd_rl_kalman *first, const gd_rl_kalman *second,
                              gd_real share) {
-  const gd_rl_kalman k = gd_rl_mixture(first, second, share);
-  h->bias_dps += k.bias_dps;
-  h->yaw_deg += k.yaw_deg;
-  h->bias_var = k.bias_var;
-  h->covariance = k.covariance;
-  h->yaw_var = k.yaw_var;
+  const gd_real apart_dps = second->bias_dps - first->bias_dps, apart_deg = second->yaw_deg - first->yaw_deg;
+  const gd_real spread = share * (GD_R(1.0) - share);
+  h->bias_dps += first->bias_dps + share * apart_dps;
+  h->yaw_deg += first->yaw_deg + share * apart_deg;
+  h->bias_var = first->bias_var + share * (second->bias_var - first->bias_var) + spread * apart_dps * apart_dps;
+  h->covariance =
+      first->covariance + share * (second->covariance - first->covariance) + spread * apart_dps * apart_deg;
+  h->yaw_var = first->yaw_var + share * (second->yaw_var - first->yaw_var) + spread * apart_deg * apart_deg;
 }
 
 /* Updates a hypothesis by a block mean at rest, under the random walk and the ramp of the bias.
