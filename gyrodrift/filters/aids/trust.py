@@ -10,7 +10,7 @@ MEMORY = 0.1
 """Weight of a measurement in the share of those that agree: about ten count."""
 
 BAD_SHARE = 0.5
-"""Share of agreeing measurements of a source that is wrong. Chosen: one that sticks agrees with a device that pauses."""
+"""Share of agreeing measurements of a wrong source. Chosen: one that sticks agrees with a device that pauses."""
 
 SURE_WRONG, SURE_RIGHT = -5.0, 5.0
 """Logarithm of the odds of a right source against a wrong one, below which it is left out, and the largest that is

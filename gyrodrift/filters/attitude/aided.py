@@ -47,12 +47,12 @@ def take(_c: AttitudeCoefficients, s: AttitudeState, reading: AidReading) -> flo
         carried[:, BIAS] -= reading.shared_covariance * axis
         most = np.sqrt(np.diagonal(h.cov, axis1=1, axis2=2) / RAD**2 * carried[:, HEADING : HEADING + 1])
         carried = np.clip(carried, -most, most)
-    known = np.maximum(carried[:, HEADING] if reading.is_heading else carried[:, BIAS] @ axis, LEAST_VAR)
-    variance = known + reading.own_var + reading.variance
+    known_var = np.maximum(carried[:, HEADING] if reading.is_heading else carried[:, BIAS] @ axis, LEAST_VAR)
+    variance = known_var + reading.own_var + reading.variance
     density = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2.0 * np.pi * variance)
     likelihood = (1.0 - WRONG_SHARE) * density + WRONG_SHARE / reading.range
     right = (1.0 - WRONG_SHARE) * density / likelihood
-    taken = np.minimum(1.0, np.maximum(0.0, 1.0 - reading.own_var / known) * variance / known)
+    taken = np.minimum(1.0, np.maximum(0.0, 1.0 - reading.own_var / known_var) * variance / known_var)
     spread = right * (taken * variance - (1.0 - right) * innovation**2)
     gain = carried / variance[:, None]
     h.correct(np.radians(right * innovation)[:, None] * gain)
