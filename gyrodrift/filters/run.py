@@ -135,8 +135,10 @@ class FilterRun:
         """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
         if self._aids is None:
             self._aids = Aids()
-        is_now = isnan(aid.t_s) and self.state.samples > 0
-        self._aids.take(aid._replace(t_s=self.state.t_s) if is_now else aid)
+            if self.state.samples > 0:  # it knows the time of the last sample
+                aided = (self.three_axes or self.filter).aided
+                self._aids.follow(aided, self._coefficients, self.state, self.state.t_s)
+        self._aids.take(aid)
 
     @property
     def aids(self) -> dict[str, AidStatus]:
