@@ -24,8 +24,7 @@ class Aid(NamedTuple):
         turn_rate
             Rate about the vertical, deg/s, counter-clockwise positive.
         wheels
-            Speed of the right wheel minus that of the left wheel, m/s. The track is unknown, so a nominal radius does
-            for wheels whose rotation is measured.
+            Speed of the right wheel minus that of the left wheel, in any unit: the track is unknown, too.
         speed
             Speed of the device, m/s.
     t_s
@@ -35,7 +34,7 @@ class Aid(NamedTuple):
     period_deg
         Of a heading: 360, or 90 for one of the four directions of a building.
     speed
-        Of wheels: mean of both, m/s; of a heading that is a course: speed, m/s. NaN if unknown.
+        Of wheels: mean of both, in their unit; of a heading that is a course: speed, m/s. NaN if unknown.
     """
 
     name: str

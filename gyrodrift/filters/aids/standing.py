@@ -9,6 +9,9 @@ SLOW_MPS = 0.3
 """Speed that is motion, and least speed beside 0 of a source whose 0 may hide motion, m/s: a car that rolls at 0.3 m/s
 around a bend of 6 m turns at 3 deg/s."""
 
+SLOW_SHARE = 0.2
+"""Share of the largest speed so far that is motion for wheels in any unit. Chosen."""
+
 RESTED_S = 5.0
 """Time of told rests after which a speed also tells motion, s: before, a straight drive is all that shows the bias.
 Chosen."""
@@ -28,8 +31,8 @@ class RestReports:
         Last report: 1 at rest, 0 in motion, NaN if unknown.
     t_s, period_s
         Time of the report, and longest time between two, s; 0 before the second.
-    least_mps
-        Least speed beside 0 so far.
+    least, most
+        Least speed beside 0, and largest, so far, in the unit of the source.
     rested_s
         Time of its reports of rest, s.
     """
@@ -37,7 +40,8 @@ class RestReports:
     report: float = nan
     t_s: float = -inf
     period_s: float = 0.0
-    least_mps: float = inf
+    least: float = inf
+    most: float = 0.0
     rested_s: float = 0.0
 
     def hear(self, aid: Aid) -> None:
@@ -56,11 +60,13 @@ class RestReports:
 
     def _by_speed(self, aid: Aid) -> float:
         """Report by a speed: 0 is rest unless the source shows no slow motion; motion is told by one that rested."""
-        speed_mps = abs(aid.value)
-        if aid.kind == "wheels":
-            speed_mps = max(speed_mps, abs(aid.speed)) if isfinite(aid.speed) else speed_mps
-        is_zero = speed_mps <= 2.0 * aid.sigma if aid.kind == "speed" and aid.sigma > 0.0 else speed_mps == 0.0
+        speed, is_wheels = abs(aid.value), aid.kind == "wheels"
+        if is_wheels and isfinite(aid.speed):
+            speed = max(speed, abs(aid.speed))
+        self.most = max(self.most, speed)
+        slow = SLOW_SHARE * self.most if is_wheels else SLOW_MPS
+        is_zero = speed <= 2.0 * aid.sigma if aid.sigma > 0.0 and not is_wheels else speed == 0.0
         if is_zero:
-            return 1.0 if self.least_mps < SLOW_MPS or self.least_mps == inf else nan
-        self.least_mps = min(self.least_mps, speed_mps)
-        return 0.0 if speed_mps > SLOW_MPS and self.rested_s > RESTED_S else nan
+            return 1.0 if self.least < slow or self.least == inf else nan
+        self.least = min(self.least, speed)
+        return 0.0 if speed > slow and self.rested_s > RESTED_S else nan

@@ -23,8 +23,8 @@ SCALE_SIGMA, RATIO_SIGMA, RATIO_WALK = 0.05, 0.001, 0.00002
 1/√s. Chosen: tracks of robots under a motion capture were 2.5 % off, and their ratios moved by 0.1 %."""
 
 TRACK_DPS = 150.0
-"""Standard deviation of the turn rate for a difference of 1 m/s of two wheels whose track is unknown, deg/s. Derived:
-180/(π·0.13 m) is within three of them."""
+"""Standard deviation of the turn rate for a difference of 1 between two wheels of unknown track, deg/s. Derived: in m/s
+180/(π·0.13 m) is within three of them; in other units it is less, and the first turn shows it."""
 
 SLIP = 0.05
 """Standard deviation of a turn rate that changes from turn to turn, as a share. Chosen: as for the scale."""
