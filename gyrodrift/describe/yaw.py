@@ -10,8 +10,7 @@ from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.evaluation.reference import accepted, auxiliary_of
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.aids import aids_by_row
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.aid import Aid
 from gyrodrift.values.arrays import Floats, Mask
 

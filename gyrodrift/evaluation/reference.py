@@ -9,8 +9,7 @@ from gyrodrift.evaluation.attitude import attitude_history
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns, hold_last
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.session.aids import RowAids
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session, aids_of_rows
+from gyrodrift.session.session import Session, aids_of_rows, unwrapped
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 

@@ -6,6 +6,7 @@
 #define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
                     or -10000 + turn rate */
 #define OUTPUTS 24
+#define WORK gd_attitude_work
 
 static int begin(gd_attitude *a, const double *params) {
   gd_restlevel_params p;

@@ -6,6 +6,7 @@
 #define INPUTS 4 /* rate, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
                     or -10000 + turn rate */
 #define OUTPUTS 12
+#define WORK gd_restlevel_work
 
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;

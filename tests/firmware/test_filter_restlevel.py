@@ -5,7 +5,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 from c_attitude_support import samples as inertial
-from c_filter_support import CFilter, CFilters, FilterOutput
+from c_filter_support import INTERLEAVINGS, CFilter, CFilters, FilterOutput, assert_portions_change_nothing
 from c_restlevel_sessions import SESSIONS, plain, with_temperature_and_rest_sensor
 from c_restlevel_support import BIAS, SIGMA, YAW, in_python, samples, values_of
 from hypothesis import given
@@ -21,6 +21,9 @@ from gyrodrift.values.arrays import Floats
 
 FLOAT_DEG_H = 0.01
 """Largest yaw difference of a float, deg for each hour begun."""
+
+CORRECTION = 10
+"""Column of the correction in the last sample."""
 
 FUSED_DEG = 1e-9
 """Largest difference by fused operations in double, deg."""
@@ -274,3 +277,13 @@ def inputs_at_rest(name: str, count: int) -> Floats:
     if name == "restlevel":
         return samples(0.3 + noise[:, 0])
     return inertial(0.3 + noise[:, :3], noise[:, 3:] + (0.0, 0.0, 9.81))
+
+
+@pytest.mark.parametrize("interleaving", INTERLEAVINGS)
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("session", ["50 Hz", "restarts", "temperature and rest sensor", "zeroed", "huge"])
+def test_work_in_portions_gives_the_same_bits(c_filters: CFilters, session: str, real: str, interleaving: str) -> None:
+    """Whenever no work is left, all outputs are those of the filter that does the work at the end of a block."""
+    assert_portions_change_nothing(
+        c_filters.get("filter_restlevel.c", real), *SESSIONS[session](), interleaving, CORRECTION
+    )

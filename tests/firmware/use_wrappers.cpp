@@ -22,15 +22,19 @@ int main() {
   is_equal &= gd_restlevel_init(&r, NULL) && gd_restlevel_init(&o, &MY_GYRO_RESTLEVEL);
   for (int i = 0; i < 1000; i++) {
     const gd_real rate = (gd_real)rate_dps(i);
+    while (restlevel.work()) {
+    }
     is_equal &= restlevel.update(0.01 * i, rate) == (gd_restlevel_update(&r, 0.01 * i, rate) != 0);
     is_equal &= own.update_us(10000u * (uint32_t)i, rate) == (gd_restlevel_update_us(&o, 10000u * (uint32_t)i, rate) != 0);
+  }
+  while (restlevel.work()) {
   }
   is_equal &= !(restlevel.yaw_deg() < r.yaw_deg) && !(restlevel.yaw_deg() > r.yaw_deg);
   is_equal &= !(restlevel.yaw_sigma_deg() < r.yaw_sigma_deg) && !(restlevel.bias_dps() > r.bias_dps);
   is_equal &= !(own.yaw_deg() < o.yaw_deg) && !(own.yaw_deg() > o.yaw_deg) && own.state().samples == 1000;
   is_equal &= !(restlevel.bias_sigma_dps() < r.bias_sigma_dps) && !(restlevel.rest_probability() < r.rest_probability);
-  is_equal &= restlevel.update(10.0, 0.1f, 1) && own.update_us(10000000u, 0.1f, 0, 21);
-  is_equal &= !restlevel.state().witness.has_moved && own.state().witness.has_moved && own.state().temp_c > 20;
+  is_equal &= restlevel.update(9.995, 0.1f, 1) && own.update_us(9995000u, 0.1f, 0, 21);
+  is_equal &= !restlevel.state().witness.is_moving && own.state().witness.is_moving && own.state().temp_c > 20;
   restlevel.zero();
   restlevel.gap();
   own.restarted();
@@ -42,10 +46,14 @@ int main() {
     const gd_real gyro_dps[3] = {0.02f, -0.01f, (gd_real)rate_dps(i)};
     const gd_real accel_mps2[3] = {0.1f, 0.02f * (gd_real)(i % 3), 9.8f};
     const uint32_t t_us = 10000u * (uint32_t)i;
+    while (attitude.work()) {
+    }
     is_equal &= attitude.update(0.01 * i, gyro_dps, accel_mps2) ==
                 (gd_attitude_update(&a, 0.01 * i, gyro_dps, accel_mps2) != 0);
     is_equal &= space.update_us(t_us, gyro_dps, accel_mps2) ==
                 (gd_attitude_update_us(&b, t_us, gyro_dps, accel_mps2) != 0);
+  }
+  while (attitude.work()) {
   }
   const double roll_deg = (double)attitude.roll_deg(), pitch_deg = (double)attitude.pitch_deg();
   is_equal &= std::fabs(std::hypot(roll_deg, pitch_deg) - (double)attitude.tilt_deg()) < 0.01 && pitch_deg < 0;

@@ -20,8 +20,10 @@ static inline void gd_attitude_aid_update(gd_attitude_hypothesis *h, const gd_ai
   for (i = 0; i < GD_ATTITUDE_STATES; i++) {
     carried[i] = h->cov[gd_place(i, GD_ATTITUDE_HEADING)];
     if (!is_heading) {
-      carried[i] = axis[0] * h->cov[gd_place(i, GD_ATTITUDE_BIAS)] + axis[1] * h->cov[gd_place(i, GD_ATTITUDE_BIAS + 1)] +
-                   axis[2] * h->cov[gd_place(i, GD_ATTITUDE_BIAS + 2)];
+      carried[i] = 0;
+      for (j = 0; j < 3; j++) {
+        carried[i] += axis[j] * h->cov[gd_place(i, GD_ATTITUDE_BIAS + j)];
+      }
     }
   }
   variance = is_heading ? carried[GD_ATTITUDE_HEADING] : gd_dot(&carried[GD_ATTITUDE_BIAS], axis);
@@ -43,8 +45,8 @@ static inline void gd_attitude_aid_update(gd_attitude_hypothesis *h, const gd_ai
   h->weight *= likelihood;
 }
 
-/* Takes the measurement that waits, at the end of a block. */
-static inline void gd_attitude_take_aid(gd_attitude *a) {
+/* Takes the measurement that waits, at the end of a block with this heading by the estimates before it. */
+static inline void gd_attitude_take_aid(gd_attitude *a, gd_real expected_deg) {
   gd_real axis[3];
   int i;
   if (!(a->aid.variance > GD_R(0.0))) {
@@ -52,7 +54,7 @@ static inline void gd_attitude_take_aid(gd_attitude *a) {
   }
   gd_heading_axis(axis, a->q);
   for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_aid_update(gd_attitude_at(a, i), &a->aid, axis, a->heading_deg);
+    gd_attitude_aid_update(gd_attitude_at(a, i), &a->aid, axis, expected_deg);
   }
   gd_attitude_normalize(&a->sum);
   a->aid.variance = GD_R(0.0);

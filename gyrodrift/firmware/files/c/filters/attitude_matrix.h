@@ -2,19 +2,20 @@
 #ifndef GD_ATTITUDE_MATRIX_H
 #define GD_ATTITUDE_MATRIX_H
 
-#include "attitude_model.h"
+#include "attitude_state.h"
 
 /* Smallest pivot of a covariance, and as a share of its diagonal: rounding may leave 0 or less, and a division must
    stay finite. */
 #define GD_ATTITUDE_PIVOT GD_R(1e-30)
 #define GD_ATTITUDE_PIVOT_SHARE (GD_IS_FLOAT ? GD_R(1e-6) : GD_R(1e-15))
 
-/* Length of a row of a covariance: 21, filled up to whole vectors where a processor has a vector unit. */
 #if defined(__SSE2__) || defined(__ARM_NEON)
-#define GD_ATTITUDE_ROW 24
+#define GD_HAS_VECTOR_UNIT 1
 #else
-#define GD_ATTITUDE_ROW 21
+#define GD_HAS_VECTOR_UNIT 0
 #endif
+/* Length of a row of a covariance; filled up to whole vectors of 4 floats for a vector unit. */
+#define GD_ATTITUDE_ROW (GD_ATTITUDE_STATES + 3 * GD_HAS_VECTOR_UNIT)
 
 static inline gd_real gd_dot(const gd_real a[3], const gd_real b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 

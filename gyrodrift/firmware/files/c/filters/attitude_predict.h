@@ -14,16 +14,6 @@
 /* Noise of the velocity, m/s/sqrt(s). */
 #define GD_ATTITUDE_ACCEL_NOISE GD_R(0.3)
 
-/* The part of the transition matrix that is no identity.
-
-   `turn` has the derivatives (3, 12) of the attitude by bias and scale. The heading stays where the hypothesis stands
-   still (`is_held`). `fall` is the vertical integral of the specific force: it couples attitude and velocity. The
-   horizontal part does not: through a bounded velocity, accelerations of a vehicle would show a heading. */
-typedef struct {
-  gd_real turn[3][12], fall;
-  int is_held;
-} gd_attitude_transition;
-
 /* State of column `column` of the derivatives. */
 static inline int gd_attitude_column(int column) {
   return column < 3 ? GD_ATTITUDE_BIAS + column : GD_ATTITUDE_SCALE + column - 3;
@@ -129,11 +119,11 @@ static inline void gd_attitude_carry_rows(gd_real out[6][GD_ATTITUDE_ROW], const
   }
 }
 
-/* The same products with a vector (21). */
-static inline void gd_attitude_carry(gd_real out[6], const gd_attitude_transition *t, const gd_real *v) {
+/* The first `count` of the same products with a vector (21). */
+static inline void gd_attitude_carry(gd_real out[6], int count, const gd_attitude_transition *t, const gd_real *v) {
   gd_real turn[3];
   int i, j;
-  for (i = 0; i < 3; i++) {
+  for (i = 0; i < 3 && i < count; i++) {
     turn[i] = 0;
     for (j = 0; j < 3; j++) {
       turn[i] += t->turn[i][j] * v[GD_ATTITUDE_BIAS + j];
@@ -142,10 +132,16 @@ static inline void gd_attitude_carry(gd_real out[6], const gd_attitude_transitio
       turn[i] += t->turn[i][3 + j] * v[GD_ATTITUDE_SCALE + j];
     }
     out[i] = i == GD_ATTITUDE_HEADING && t->is_held ? v[i] : v[i] + turn[i];
-    out[3 + i] = v[GD_ATTITUDE_VELOCITY + i] + gd_dot(t->turn[i], &v[GD_ATTITUDE_FORCE_BIAS]);
   }
-  out[3] += t->fall * (v[1] + GD_R(0.5) * turn[1]);
-  out[4] -= t->fall * (v[0] + GD_R(0.5) * turn[0]);
+  for (i = 3; i < count; i++) {
+    out[i] = v[GD_ATTITUDE_VELOCITY + i - 3] + gd_dot(t->turn[i - 3], &v[GD_ATTITUDE_FORCE_BIAS]);
+  }
+  if (count > 3) {
+    out[3] += t->fall * (v[1] + GD_R(0.5) * turn[1]);
+  }
+  if (count > 4) {
+    out[4] -= t->fall * (v[0] + GD_R(0.5) * turn[0]);
+  }
 }
 
 /* cov = F cov F' for the transition matrix F: only attitude and velocity change, so the rest of cov stays. */
@@ -158,7 +154,7 @@ static inline void gd_attitude_carry_covariance(gd_real *cov, const gd_attitude_
     gd_set_row(cov, changed[i], rows[i]);
   }
   for (i = 0; i < 6; i++) {
-    gd_attitude_carry(carried, t, rows[i]);
+    gd_attitude_carry(carried, i + 1, t, rows[i]);
     for (j = 0; j <= i; j++) {
       cov[gd_place(changed[i], changed[j])] = carried[j];
     }
@@ -187,13 +183,12 @@ static inline void gd_attitude_hold_heading(gd_real q[4], const gd_real before[4
   gd_turn_by(q, turn);
 }
 
-/* Carry mean and covariance of a hypothesis over a block whose rotation has the bias and scale of the reference.
-   `is_held`: it stands still, and its heading stays. */
-static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attitude_hypothesis *reference,
-                                       const gd_attitude_integrals *block, gd_real walk_var, gd_real noise_var,
+/* Carry the mean of a hypothesis over a block whose rotation has the bias and scale of the reference, and find the
+   transition of its covariance. `is_held`: it stands still, and its heading stays. */
+static inline void gd_attitude_predict(gd_attitude_transition *transition, gd_attitude_hypothesis *h,
+                                       const gd_attitude_hypothesis *reference, const gd_attitude_integrals *block,
                                        int is_held) {
   gd_real start[9], before[4], change[3], force[3], velocity[3], turn[4];
-  gd_attitude_transition transition;
   int i;
   gd_rotation_matrix(start, h->q);
   memcpy(before, h->q, sizeof before);
@@ -212,10 +207,16 @@ static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attit
   }
   h->moving_s += block->seconds;
   h->velocity[2] -= GD_ATTITUDE_GRAVITY * block->seconds;
-  gd_attitude_transition_of(&transition, start, velocity[2], block, is_held);
-  gd_attitude_carry_covariance(h->cov, &transition);
-  gd_repair(h->cov);
-  gd_attitude_add_noise(h->cov, block, walk_var, noise_var, is_held);
+  gd_attitude_transition_of(transition, start, velocity[2], block, is_held);
+}
+
+/* Carry its covariance. */
+static inline void gd_attitude_predict_covariance(gd_real *cov, const gd_attitude_transition *transition,
+                                                  const gd_attitude_integrals *block, gd_real walk_var,
+                                                  gd_real noise_var) {
+  gd_attitude_carry_covariance(cov, transition);
+  gd_repair(cov);
+  gd_attitude_add_noise(cov, block, walk_var, noise_var, transition->is_held);
 }
 
 #endif

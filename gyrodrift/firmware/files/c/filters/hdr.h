@@ -106,8 +106,8 @@ static inline int gd_hdr_update(gd_hdr *h, double t_s, gd_real rate_dps) {
   return 1;
 }
 
-/* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the two functions. Yaw is held over
-   a pause of more than 10 s. */
+/* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the two functions. Yaw is held
+   over a pause of more than 10 s. */
 static inline int gd_hdr_update_us(gd_hdr *h, uint32_t t_us, gd_real rate_dps) {
   const double dt_s = gd_step_of_us(t_us, h->t_us, &h->suspect_us);
   const gd_real yaw_deg = h->yaw_deg;

@@ -52,10 +52,9 @@ _Static_assert(_Generic((gd_real)0, float: 1, double: 1, default: 0), "GD_REAL m
 #define GD_MOST_DPS GD_R(1e12)
 #define GD_LEAST_STEP_S 1e-12
 
-/* Longest step of a clock of 32 bits whose length is known, in us: GD_POWER_CYCLE_S, the gap after which all that the
-   filters know of the bias is in doubt anyway. */
-#define GD_FAR_US 10000000UL
+/* Longest step of a clock of 32 bits that is not in doubt: GD_POWER_CYCLE_S, the gap after which the bias is. */
 #define GD_FAR_S 10.0
+#define GD_FAR_US ((uint32_t)(GD_FAR_S * 1e6))
 
 static inline gd_real gd_min(gd_real a, gd_real b) { return b < a ? b : a; }
 static inline gd_real gd_max(gd_real a, gd_real b) { return b > a ? b : a; }

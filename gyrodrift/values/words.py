@@ -1,4 +1,4 @@
-"""Suggestions for a misspelled name."""
+"""Words of messages: suggestions for a misspelled name, names in a sentence, and numbers of things."""
 
 from collections.abc import Iterable
 
@@ -23,3 +23,15 @@ def suggestion(names: Iterable[str]) -> str:
     """`did you mean A or B?`; empty without names."""
     choices = " or ".join(names)
     return f"did you mean {choices}?" if choices else ""
+
+
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """Names as in a sentence: `a, b and c`, or with another word before the last; empty without names."""
+    *first, last = [*names] or [""]
+    return f"{', '.join(first)} {word} {last}" if first else last
+
+
+def counted(count: int, noun: str) -> str:
+    """`1 sample` or `2 samples`; of `read of raw bytes` the first word gets the plural."""
+    head, joint, rest = noun.partition(" of ")
+    return f"{count} {head}{'s' * (count != 1)}{joint}{rest}"

@@ -1,4 +1,4 @@
-"""Rest detection and bias estimation of VQF by its package `vqf`, in real time and offline.
+"""Rest detection and bias estimation on one axis by other packages: VQF, in real time and offline, and x-io Fusion.
 
 Source: D. Laidig and T. Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic
 disturbance rejection", Information Fusion 91, 2023, DOI 10.1016/j.inffus.2022.10.014.
@@ -44,3 +44,16 @@ def _as_imu(rate_dps: Floats) -> tuple[Floats, Floats]:
 
 def _without(t_s: Floats, rate_dps: Floats, bias_rps: Floats) -> Floats:
     return trapezium(steps_s(t_s), rate_dps - np.rad2deg(bias_rps[:, 2]))
+
+
+def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
+    """Yaw of the rates that `imufusion.Bias` returns for (0, 0, rate), deg, shape (n,)."""
+    from imufusion import Bias, BiasSettings
+
+    settings = BiasSettings(1.0 / mean_step_s(t_s), params["stationary_threshold"], params["stationary_period"])
+    bias = Bias().set_settings(settings)
+    axes = np.zeros((len(rate_dps), 3))
+    axes[:, 2] = rate_dps
+    # The package returns 32-bit floats. Only the small bias comes from them, so the rate keeps its precision.
+    bias_dps = np.array([given[2] - float(bias.update(given)[2]) for given in axes])
+    return trapezium(steps_s(t_s), rate_dps - bias_dps)

@@ -1,28 +1,96 @@
 """A session with the reference angle of another topic of its recording."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
 from gyrodrift.io.installation import packages_of
 from gyrodrift.session.foreign.channels import Messages, contents_of
-from gyrodrift.session.foreign.columns import WrongValueError
+from gyrodrift.session.foreign.columns import WrongValueError, number, whole
 from gyrodrift.session.foreign.read import opened_file
 from gyrodrift.session.foreign.records import messages, records
 from gyrodrift.session.foreign.ros import fitting, parsed
 from gyrodrift.session.logs.bag import deserializer, is_ros1, opened_bag
 from gyrodrift.session.session import Session
-from gyrodrift.session.topics.messages import JOINTS, TYPES, AngleReading, reading_of, type_of
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.errors import DataError, UsageError
+from gyrodrift.values.quaternion import yaw_of
+
+ORIENTATIONS = {
+    "nav_msgs/msg/Odometry": attrgetter("pose.pose.orientation"),
+    "geometry_msgs/msg/PoseStamped": attrgetter("pose.orientation"),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": attrgetter("pose.pose.orientation"),
+    "geometry_msgs/msg/TransformStamped": attrgetter("transform.rotation"),
+}
+"""Quaternion of a message, by its type."""
+
+JOINTS = "sensor_msgs/msg/JointState"
+
+TYPES = (*ORIENTATIONS, JOINTS)
+"""Types of messages with a reference angle."""
 
 FORMS = {(MessageEncoding.CDR, SchemaEncoding.ROS2), (MessageEncoding.ROS1, SchemaEncoding.ROS1)}
 """Encodings of messages and schemas in MCAP that can be read."""
+
+LEAST_READINGS = 3
+"""Least number of readings that tell the rate at which a reading is moved to its sample."""
+
+
+class AngleReading(NamedTuple):
+    """Reference angle of a message in degrees, with its stamp and the time of logging in s."""
+
+    stamp_s: float
+    logged_s: float
+    angle_deg: float
+
+
+def type_of(name: str) -> str:
+    """Name of a type in the form of ROS 2; ROS 1 leaves out `msg`."""
+    package, _, kind = name.partition("/")
+    return name if kind.startswith("msg/") else f"{package}/msg/{kind}"
+
+
+def reading_of(message: Any, kind: str, joint: str, log_ns: int) -> AngleReading:
+    """Reading of a message of one of TYPES.
+
+    joint
+        Name of the joint; empty for the only one of a message.
+
+    Raises
+    ------
+    WrongValueError
+        The message has no stamp, no orientation, or no such joint.
+    """
+    try:
+        stamp = message.header.stamp
+        sec, nanosec = whole("header.stamp.sec", stamp.sec), whole("header.stamp.nanosec", stamp.nanosec)
+        angle_deg = _joint_deg(message, joint) if kind == JOINTS else _heading_deg(ORIENTATIONS[kind](message))
+    except (AttributeError, IndexError, TypeError) as error:
+        raise WrongValueError(f"does not fit its type {kind}") from error
+    return AngleReading((sec * NS_PER_S + nanosec) / NS_PER_S, log_ns / NS_PER_S, angle_deg)
+
+
+def _heading_deg(quaternion: Any) -> float:
+    """Heading of an orientation, degrees: the last of its three turns about z, y and x of the body."""
+    x, y, z, w = (number(f"orientation.{name}", getattr(quaternion, name)) for name in "xyzw")
+    if not math.hypot(x, y, z, w) > 0.0:
+        raise WrongValueError("has no orientation: all parts of its quaternion are 0")
+    return yaw_of(w, x, y, z)
+
+
+def _joint_deg(message: Any, joint: str) -> float:
+    names = list(message.name)
+    if joint not in names and (joint or len(names) != 1):
+        raise WrongValueError(f"has the joints {', '.join(names)}; choose one as TOPIC:JOINT")
+    return math.degrees(number("position", float(message.position[names.index(joint) if joint else 0])))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,10 +189,6 @@ def _decoder(path: Path, channel: Messages) -> Callable[[bytes], Any]:
         decode = deserializer(is_ros1=True)
     kind = type_of(schema.name)
     return fitting(lambda payload: decode(payload, kind), kind)
-
-
-LEAST_READINGS = 3
-"""Least number of readings that tell the rate at which a reading is moved to its sample."""
 
 
 def with_reference(session: Session, path: Path, topic: str) -> Session:
