@@ -12,7 +12,7 @@ from gyrodrift.library.filters import Restlevel as Restlevel
 from gyrodrift.library.results import plot as plot
 from gyrodrift.library.results import save as save
 from gyrodrift.library.results import simulate as simulate
-from gyrodrift.library.sessions import load_session as load_session
+from gyrodrift.library.analyses import load_session as load_session
 
 __version__: str
 __all__ = [

@@ -34,11 +34,9 @@ def attitude_history(
     t_s: Floats,
     axes: InertialColumns,
     auxiliary: Auxiliary,
-    params: FilterParams | None = None,
-    aids: RowAids | None = None,
 ) -> AttitudeHistory:
-    """Run the attitude filter with these parameters of restlevel, or with its defaults, over accepted samples."""
-    return filter_history(t_s, axes.gyro_dps[:, 2], axes, auxiliary, params, aids)
+    """Run the attitude filter with the defaults of restlevel over accepted samples."""
+    return filter_history(t_s, axes.gyro_dps[:, 2], axes, auxiliary)
 
 
 def filter_history(

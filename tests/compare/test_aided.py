@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gyrodrift.compare.methods.aided import AIDED
+from gyrodrift.compare.methods.filter_method import AIDED
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.doctor.checks.aids import sources_of
 from gyrodrift.doctor.checks.registry import examine

@@ -10,7 +10,7 @@ import pytest
 from outputs_support import Reader, events, serving
 from support import PATIENCE_S, Command, never
 
-from gyrodrift.library.sessions import load_session
+from gyrodrift import load_session
 from gyrodrift.service.control_client import ControlClient
 
 COLUMNS = "t_us, rate:dps, heading:compass:sigma/1, speed:kn, rest"

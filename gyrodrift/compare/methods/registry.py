@@ -3,8 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from gyrodrift.compare.methods.aided import AIDED
-from gyrodrift.compare.methods.filter_method import ON_DEVICE, filter_method
+from gyrodrift.compare.methods.filter_method import AIDED, ON_DEVICE, filter_method
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.packages import run_fusion, run_vqf, run_vqf_offline
 from gyrodrift.compare.methods.plain import run_euler, run_kalman, run_sign, run_start_calibration

@@ -1,7 +1,6 @@
 """Check of second sources: whether each of them agrees with restlevel here."""
 
-from gyrodrift.doctor.check import checks_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of
 from gyrodrift.doctor.finding import DeviceFinding, ok, warning
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
