@@ -29,9 +29,9 @@ CLOCK_UNITS_US = {
 
 RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 ANGLE_DEG = {"deg": 1.0, "rad": degrees(1.0)}
-COMPASS = "compass"
-HEADING_DEG = {**ANGLE_DEG, COMPASS: -1.0, "ccw": 1.0}
-"""Units of a heading; `compass` counts clockwise, `ccw` counter-clockwise like all other angles."""
+DIRECTIONS = {"compass": -1.0, "cw": -1.0, "ccw": 1.0}
+HEADING_DEG = {**ANGLE_DEG, **DIRECTIONS}
+"""Units of a heading; `compass` and `cw` count clockwise, `ccw` counter-clockwise like all other angles."""
 
 SPEED_MPS = {"mps": 1.0, "kn": 1852.0 / 3600.0, "kmh": 1.0 / 3.6}
 """Meters per second of a unit of speed; a knot is a nautical mile of 1852 m an hour."""
@@ -299,7 +299,7 @@ def column_of(entry: str) -> Column:
         if factor is None:
             raise ValueError(f"{entry!r}: {option!r} is not a unit of {meaning}; {EXPECTED}")
         scale *= factor
-        unit = unit if option in ("-", COMPASS) else option
+        unit = unit if option in ("-", *DIRECTIONS) else option
     if meaning == "t" and f"t_{unit}" in CLOCK_US:
         meaning, unit = f"t_{unit}", ""
     elif meaning == "t" and not unit:

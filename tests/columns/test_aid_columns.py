@@ -36,7 +36,8 @@ def test_entries_are_written_as_they_are_read() -> None:
     spec = "rate, heading:rad:-:sigma/0.1:late/0.2:mod/90, speed:kmh:sigma/2, turn_rate:rads, wheel_left, wheel_right"
     columns = columns_of(spec)
     assert ", ".join(column.entry for column in columns) == spec
-    assert columns_of("rate, heading:compass")[1].scale == -1.0
+    for words, scale in (("compass", -1.0), ("cw", -1.0), ("ccw", 1.0), ("deg", 1.0), ("compass:-", 1.0)):
+        assert columns_of(f"rate, heading:{words}")[1].scale == scale
 
 
 @pytest.mark.parametrize(
