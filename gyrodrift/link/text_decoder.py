@@ -79,6 +79,8 @@ class TextDecoder(LineDecoder):
         ]
         self._aids = AidColumns(columns)
         self._optional = {index for index, column in used if column.meaning in OPTIONAL}
+        sources = [index for index, column in used if column.meaning in AID_MEANINGS]
+        self._required, self._blank = self._spec.keys() - set(sources), dict.fromkeys(sources, "")
         self._waiting: tuple[Aid, ...] = ()
         self._clock = ClockReader([self._spec[index].clock for index in self._clocks])
         self._collected: Named = {}
@@ -100,8 +102,8 @@ class TextDecoder(LineDecoder):
         if self._has_labels:
             count = sum(map(is_number, fields.values)) if fields.form is Form.JSON else len(fields.values)
             named = {i: value for label, i in self._labels if (value := _value(fields, label)) is not None}
-            if self._optional:  # their number does not tell a damaged line
-                count -= sum(is_number(named[i]) or fields.form is not Form.JSON for i in self._optional & named.keys())
+            if self._blank:  # their number does not tell a damaged line
+                count -= sum(is_number(named[i]) or fields.form is not Form.JSON for i in self._blank if i in named)
             return self._from_lines(count, named)
         values = self._padded(text, fields.values) if self._optional else fields.values
         if len(values) < self._columns_min:
@@ -118,30 +120,34 @@ class TextDecoder(LineDecoder):
         """Sample of one line or several; it begins with the line of the value to select by."""
         if not named:
             return WITHOUT_RATE
-        if self._optional and named.keys() <= self._optional:
-            return self._aids_alone(named)
-        if self._optional:
-            named |= dict.fromkeys(self._optional - named.keys(), "") if not self._collected else {}
-        if len(named) == len(self._spec):
+        aids = {index: text for index, text in named.items() if index in self._blank}
+        if aids and named.keys() - aids.keys() <= set(self._clocks):
+            self._aids_alone(aids)
+            named = {index: text for index, text in named.items() if index not in aids}
+            if not named:
+                return WITHOUT_RATE
+        if named.keys() >= self._required:
             self._collected = {}
-            return self._reading(count, named)
+            return self._reading(count, self._blank | named)
         if self._selects and self._selects[0] in named:
             self._collected = {}
         elif self._selects and not self._collected:
             return WITHOUT_RATE
         self._collected |= named
-        if len(self._collected) < len(self._spec):
+        if not self._collected.keys() >= self._required:
             return WITHOUT_RATE
-        collected, self._collected = self._collected, {}
+        collected, self._collected = self._blank | self._collected, {}
         return self._reading(SEVERAL_LINES, collected)
 
     def _reading(self, count: int, texts: Named) -> tuple[int, Reading] | None:
         if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
+        if self._aids and all(_is_missing(texts[index]) for index, *_ in self._values if index not in self._optional):
+            return self._aids_alone({index: texts[index] for index in self._blank})
         numbers: dict[str, float] = {}
         for index, meaning, scale, is_short in self._values:
             text = texts[index]
-            if index in self._optional and text.strip().lower() in MISSING:
+            if index in self._optional and _is_missing(text):
                 continue
             if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
@@ -193,6 +199,10 @@ class TextDecoder(LineDecoder):
         except (ValueError, OverflowError):
             return None
         return t_us & CLOCK_MASK if abs(t_us) < LONGEST_CLOCK_US else None
+
+
+def _is_missing(text: str) -> bool:
+    return text.strip().lower() in MISSING
 
 
 def _value(fields: Fields, label: str) -> str | None:

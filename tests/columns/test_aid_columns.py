@@ -32,6 +32,20 @@ def test_a_line_without_a_rate_joins_the_next_one() -> None:
     assert [aid.name for aid in readings[1].aids] == ["v", "course"]
 
 
+def test_lines_with_a_clock_of_their_own_join_the_next_rate() -> None:
+    lines = ('{"t":0,"gz":1}', '{"t":5,"course":90}', '{"t":10,"gz":1}', '{"t":15,"course":91}', '{"t":20,"gz":1}')
+    readings = read(LABELED, *lines)
+    assert [reading.t_us for reading in readings] == [0, 10_000, 20_000]
+    assert [[aid.value for aid in reading.aids] for reading in readings] == [[], [90.0], [91.0]]
+    in_parts = read("t=t_ms, gz=rate, v=speed", *(line for i in range(4) for line in (f"t:{i} v:{i}.5", "gz:1")))
+    assert [(reading.t_us, reading.aids[0].value) for reading in in_parts] == [(1000 * i, i + 0.5) for i in range(4)]
+
+
+def test_a_row_without_a_rate_joins_the_next_one() -> None:
+    readings = read("t_ms, rate, heading", "0,1,", "5,,90", "10,1,", "15,nan,91", "20,1,")
+    assert [[aid.value for aid in reading.aids] for reading in readings] == [[], [90.0], [91.0]]
+
+
 def test_entries_are_written_as_they_are_read() -> None:
     spec = "rate, heading:rad:-:sigma/0.1:late/0.2:mod/90, speed:kmh:sigma/2, turn_rate:rads, wheel_left, wheel_right"
     columns = columns_of(spec)

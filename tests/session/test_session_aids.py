@@ -55,6 +55,22 @@ def test_a_reader_that_follows_the_file_gets_them_with_their_samples(table: Sess
     assert without_nan(followed) == without_nan(table)
 
 
+def test_a_row_may_have_a_second_source_alone(tmp_path: Path) -> None:
+    """It keeps its time, and comes with the next sample."""
+    path = tmp_path / "rows.csv"
+    rows = [
+        f"{0.01 * i:.3f},{0.5 + 0.01 * (i % 7):.2f}," + (f"\n{0.01 * i + 0.005:.3f},,{i}" * (i % 10 == 0))
+        for i in range(50)
+    ]
+    path.write_text("\n".join(["t_s,gz,course", *rows]) + "\n")
+    session = load_session(path, columns_of("t_s=t_s, gz=rate:dps, course=heading"))
+    assert len(session.rate_dps) == 50
+    assert [(row, aid.t_s, aid.value) for row, aid in session.aids or ()][1:3] == [
+        (11, pytest.approx(0.105), 10.0),
+        (21, pytest.approx(0.205), 20.0),
+    ]
+
+
 def test_other_times_and_left_out_samples_move_them(table: Session) -> None:
     later = table.timed(table.t_device_s + 5.0).rows(np.array([0, 40, 60, 199]))
     headings = [(row, aid.t_s) for row, aid in later.aids or () if aid.kind == "heading"]

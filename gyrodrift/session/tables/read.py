@@ -288,7 +288,9 @@ def _arrays(head: Head, table_columns: TableColumns, read: ColumnsRead, sample_r
         return _with_samples(Session(name, t_s, rate_dps, aids=aids))
     columns["rate_dps"] = np.empty(0) if columns["rate_dps"] is None else columns["rate_dps"]
     if delta_deg is None:
-        return _with_samples(session_of_columns(name, columns, aids=aids))
+        session = session_of_columns(name, columns, aids=aids)
+        has_rate = np.isfinite(session.rate_dps) if aids else np.ones(len(session.rate_dps), bool)
+        return _with_samples(session if has_rate.all() else session.rows(np.flatnonzero(has_rate)))
     rows, rate_dps = rates_of_deltas(t_s, delta_deg)
     whole = session_of_columns(name, columns | {"rate_dps": delta_deg}, aids=aids)
     return _with_samples(replace(whole.rows(rows), rate_dps=rate_dps))
@@ -300,7 +302,7 @@ def _row_aids(table_columns: TableColumns, read: ColumnsRead, t_s: Floats) -> Ro
     meanings = [column.meaning for column in table_columns.aids]
     values = [np.empty(0) if (column := read.column(meaning)) is None else column for meaning in meanings]
     return tuple(
-        (row, aid if isnan(aid.t_s) else aid._replace(t_s=row_s + aid.t_s))
+        (row, aid._replace(t_s=row_s + (0.0 if isnan(aid.t_s) else aid.t_s)))
         for row, (row_s, *cells) in enumerate(zip(t_s.tolist(), *(column.tolist() for column in values), strict=True))
         for aid in reader.aids_of(dict(zip(meanings, cells, strict=True)))
     )
