@@ -71,7 +71,9 @@ def of(rows: list[dict[str, Any]], key: str, *, tuned: bool = False) -> dict[str
 def installed() -> list[str]:
     """Methods that run on sessions of one axis."""
     return [
-        method.key for method in methods() if method.is_installed and not (method.needs_axes or method.needs_device_yaw)
+        method.key
+        for method in methods()
+        if method.is_installed and not (method.needs_axes or method.needs_device_yaw or method.needs_aids)
     ]
 
 
