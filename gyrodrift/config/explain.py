@@ -10,8 +10,8 @@ from typing import Any, Literal, NamedTuple, Protocol, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen, Predicate
 
-from gyrodrift.values.nearest import did_you_mean
 from gyrodrift.values.secret import LONGEST_SECRET, SecretText
+from gyrodrift.values.words import did_you_mean
 
 HOLDS: dict[type[Any], Callable[[Any, Any], bool]] = {
     Ge: lambda value, bound: value >= bound.ge,

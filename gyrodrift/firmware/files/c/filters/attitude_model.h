@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_MODEL_H
 #define GD_ATTITUDE_MODEL_H
 
+#include "aid.h"
 #include "gaps.h"
 #include "parameters.h"
 #include "real.h"

@@ -61,6 +61,7 @@ typedef struct {
   uint8_t has_restarted;      /* the bias was reopened after a gap */
   int32_t turns;             /* whole turns in yaw_deg */
   gd_real heading_deg;       /* yaw_deg without them: exact in float after thousands of turns */
+  gd_aid aid;                /* waits for the end of the block */
   double t_s;                /* time of the last accepted sample */
   double accel_t_s;          /* time of the last acceleration that was not NaN */
   uint32_t t_us, suspect_us; /* clock of the board at the last accepted sample; see gd_step_of_us */

@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_UPDATE_H
 #define GD_ATTITUDE_UPDATE_H
 
+#include "attitude_aided.h"
 #include "attitude_block.h"
 #include "attitude_levelling.h"
 #include "attitude_predict.h"

@@ -2,6 +2,7 @@
 #ifndef GD_RESTLEVEL_BLOCK_H
 #define GD_RESTLEVEL_BLOCK_H
 
+#include "restlevel_aided.h"
 #include "restlevel_frozen.h"
 #include "restlevel_output.h"
 #include "restlevel_still.h"

@@ -2,6 +2,7 @@
 #ifndef GD_RESTLEVEL_MODEL_H
 #define GD_RESTLEVEL_MODEL_H
 
+#include "aid.h"
 #include "gaps.h"
 #include "parameters.h"
 #include "parts.h"
@@ -21,8 +22,9 @@
 #error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
 #endif
 
-/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, or the rule for gaps and
-   restarts, without which the rate is integrated over a gap: less code and memory, and the same results otherwise. */
+/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, the rule for gaps and
+   restarts, without which the rate is integrated over a gap, or headings and turn rates of other sensors: less code and
+   memory, and the same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
@@ -36,6 +38,9 @@
 #endif
 #ifndef GD_RESTLEVEL_GAPS
 #define GD_RESTLEVEL_GAPS GD_RL_DEFAULT_PARTS
+#endif
+#ifndef GD_RESTLEVEL_AIDS
+#define GD_RESTLEVEL_AIDS GD_RL_DEFAULT_PARTS
 #endif
 
 /* 1: gd_restlevel_work does the work of a block in portions. It keeps hypotheses that begin in the state; else they are
@@ -57,6 +62,7 @@
 #define GD_RL_FIRST (GD_PARTS + (GD_RESTLEVEL_MEMORY ? 1 : 0)) /* the filter begins with so many */
 #define GD_RL_STORED (GD_MAX_HYPOTHESES < GD_RL_FIRST ? GD_RL_FIRST : GD_MAX_HYPOTHESES)
 
+#define GD_TURN_DEG GD_R(30.0)    /* angle of a turn: errors of scale are equal within it */
 #define GD_UNKNOWN_C GD_UNSAID_C
 #define GD_COLDEST_C GD_R(-100.0) /* temperatures out of this range are ignored */
 #define GD_WARMEST_C GD_R(200.0)
@@ -121,6 +127,9 @@ typedef struct {
   uint32_t suspect_us; /* see gd_step_of_us */
 #if GD_RESTLEVEL_GAPS
   double longest_step_s; /* longest step that is no gap; see gaps.h */
+#endif
+#if GD_RESTLEVEL_AIDS
+  gd_aid aid; /* waits for the end of the block */
 #endif
   gd_rl_block block;
 #if GD_RESTLEVEL_WORK

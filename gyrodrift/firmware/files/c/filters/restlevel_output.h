@@ -4,8 +4,6 @@
 
 #include "restlevel_model.h"
 
-#define GD_TURN_DEG GD_R(30.0) /* angle of a turn: errors of scale are equal within it */
-
 /* Time from the last estimates up to the last sample: the present block, and one that is still worked on. */
 static inline gd_real gd_rl_elapsed_s(const gd_restlevel *s) {
 #if GD_RESTLEVEL_WORK

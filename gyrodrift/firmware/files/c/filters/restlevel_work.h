@@ -141,6 +141,9 @@ static inline void gd_rl_finish(gd_restlevel *s, gd_rl_work *w, gd_real seconds)
   gd_rl_recover(s, w->expected_deg + s->base_deg);
   gd_rl_end_auxiliary(s, w->is_certain);
   s->travelled_deg += GD_ABS(s->block.angle_deg - s->bias_dps * seconds);
+#if GD_RESTLEVEL_AIDS
+  gd_rl_take_aid(s, w->expected_deg);
+#endif
   gd_rl_keep_near_zero(s);
   gd_rl_count_correction(s, base_deg, w->expected_deg);
   memset(&s->block, 0, sizeof s->block);

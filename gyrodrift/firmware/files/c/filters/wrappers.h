@@ -28,7 +28,7 @@ private:
   gd_hdr state_;
 };
 
-template <size_t RealBytes, int Hypotheses, int Auxiliary, int Memory, int Gaps, int Work>
+template <size_t RealBytes, int Hypotheses, int Auxiliary, int Memory, int Gaps, int Work, int Aids>
 class RestlevelOf {
 public:
   RestlevelOf() { gd_restlevel_init(&state_, NULL); }
@@ -47,6 +47,14 @@ public:
 #if GD_RESTLEVEL_GAPS
   void gap() { gd_restlevel_gap(&state_); }
   void restarted() { gd_restlevel_restarted(&state_); }
+#endif
+#if GD_RESTLEVEL_AIDS
+  bool heading(gd_real heading_deg, gd_real sigma_deg, gd_real period_deg = 360) {
+    return gd_restlevel_heading(&state_, heading_deg, sigma_deg, period_deg) != 0;
+  }
+  bool turn_rate(gd_real turn_dps, gd_real sigma_dps) {
+    return gd_restlevel_turn_rate(&state_, turn_dps, sigma_dps) != 0;
+  }
 #endif
 #if GD_RESTLEVEL_WORK
   bool work() { return gd_restlevel_work(&state_) != 0; }
@@ -84,6 +92,12 @@ public:
   }
   void gap() { gd_attitude_gap(&state_); }
   void restarted() { gd_attitude_restarted(&state_); }
+  bool heading(gd_real heading_deg, gd_real sigma_deg, gd_real period_deg = 360) {
+    return gd_attitude_heading(&state_, heading_deg, sigma_deg, period_deg) != 0;
+  }
+  bool turn_rate(gd_real turn_dps, gd_real sigma_dps) {
+    return gd_attitude_turn_rate(&state_, turn_dps, sigma_dps) != 0;
+  }
   bool work() { return gd_attitude_work(&state_) != 0; }
   void zero() { gd_attitude_zero(&state_); }
   gd_real yaw_deg() const { return state_.yaw_deg; }
@@ -104,7 +118,7 @@ private:
 
 typedef HdrOf<sizeof(gd_real)> Hdr;
 typedef RestlevelOf<sizeof(gd_real), GD_RESTLEVEL_HYPOTHESES, GD_RESTLEVEL_AUXILIARY, GD_RESTLEVEL_MEMORY,
-                    GD_RESTLEVEL_GAPS, GD_RESTLEVEL_WORK>
+                    GD_RESTLEVEL_GAPS, GD_RESTLEVEL_WORK, GD_RESTLEVEL_AIDS>
     Restlevel;
 typedef AttitudeOf<sizeof(gd_real), GD_ATTITUDE_HYPOTHESES, GD_ATTITUDE_QUEUE> Attitude;
 
