@@ -157,24 +157,24 @@ def _fields_of(options: type[Any]) -> dict[str, Hint]:
 
 def _checked(name: str, given: Mapping[str, Any], report: Report) -> OutputSpec | None:
     options = OUTPUTS[name].output.options_type
-    known = _fields_of(options)
+    option_fields = _fields_of(options)
     values: dict[str, Any] = {}
-    for key in known.keys() & given.keys():
+    for key in option_fields.keys() & given.keys():
         with suppress(ValueError):
-            values[key] = accepted(given[key], known[key])
-    wrong = [key for key in (*known, *given) if key in given and key not in values]
+            values[key] = accepted(given[key], option_fields[key])
+    wrong = [key for key in (*option_fields, *given) if key in given and key not in values]
     for key in dict.fromkeys(wrong):
-        report((str(key),), _explained(name, key, given[key], known))
+        report((str(key),), _explained(name, key, given[key], option_fields))
     return None if wrong else OutputSpec(name, options(**values))
 
 
-def _explained(name: str, key: str, value: Any, known: Mapping[str, Hint]) -> str:
+def _explained(name: str, key: str, value: Any, option_fields: Mapping[str, Hint]) -> str:
     """Message for an option that an output does not have, or does not accept."""
-    if key not in known:
-        return unknown_key(str(key), list(known), f"an option of {name}")
+    if key not in option_fields:
+        return unknown_key(str(key), list(option_fields), f"an option of {name}")
     is_hidden = key in secrets(OUTPUTS[name].output.options_type) or _has_user(value)
     shown = "not shown" if is_hidden else describe_value(value)
-    return f"is {shown}; expected {expectation(key, known[key])}"
+    return f"is {shown}; expected {expectation(key, option_fields[key])}"
 
 
 def _read(name: str, key: str, text: str) -> Any:

@@ -54,6 +54,7 @@ static inline int gd_restlevel_heading(gd_restlevel *s, gd_real heading_deg, gd_
 /* Takes a turn rate of another sensor at the last sample, deg/s, as wheels that go straight. */
 static inline int gd_restlevel_turn_rate(gd_restlevel *s, gd_real turn_dps, gd_real sigma_dps) {
   gd_rl_catch_up(s);
+  gd_rl_set_yaw(s);
   return gd_aid_set(&s->aid, s->rate_dps - turn_dps, sigma_dps, GD_R(0.0));
 }
 
