@@ -10,10 +10,11 @@ from annotated_types import Gt, Le
 from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
-from firmware_sim.strict_yaml import Key
+from firmware_sim.plain_value import Key
 from gyrodrift.config.calibration import CALIBRATION, calibration_in
-from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
+from gyrodrift.config.explain import describe_value, expectation, unknown_key
 from gyrodrift.config.outputs import outputs_in
+from gyrodrift.config.strict import Strict
 from gyrodrift.config.yaml import MOST_PROBLEMS, YamlFile, read_yaml
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import CONFIG_KEYS, DEFAULT, FILTERS
