@@ -25,6 +25,8 @@ For spins it is this probability to the power 1.5; the median is 15 s."""
 CHANCE_STAYS = 0.9
 """Probability that a chance level lasts for a further block: 3 s on average. A noisy motion has no such end."""
 
+NOISY_STAYS = 0.985
+
 GRADUAL_REST, GRADUAL_SPIN, GRADUAL_CHANCE = 0.01, 0.1, 0.9
 """Shares of rests, spins and chance levels that end gradually. A chance level may be the flat part of a curve."""
 
@@ -51,14 +53,14 @@ def begin_rest(h: Hypothesis, wander: RateWander, odds: float, sample_var: float
     h.noisy_density = max(1.0, odds) * _cauchy_pdf(away_dps, sample_var + h.bias_var)
 
 
-def weigh_rest(h: Hypothesis, seconds: float, sensor_odds: float) -> None:
+def weigh_rest(h: Hypothesis, seconds: float, sensor_odds: float, level_density: float) -> None:
     """Weigh a rest by its scatter and its length; this replaces the earlier weight of the rest.
 
     `sensor_odds` is the likelihood ratio of `noise.sensor_odds`.
     """
     _weigh(
         h,
-        h.rest_odds * sensor_odds / (_spin_density(seconds) + h.chance_density + _noisy_density(h, sensor_odds)),
+        level_density * h.rest_odds * (1.0 if sensor_odds == 0.0 else sensor_odds) / (_spin_density(seconds) + h.chance_density + _noisy_density(h, sensor_odds)),
     )
 
 
@@ -69,9 +71,11 @@ def weigh_gradual_end(h: Hypothesis, seconds: float, sensor_odds: float) -> None
     _weigh(h, h.rest_odds * sensor_odds * GRADUAL_REST / no_rest)
 
 
-def outlast_motions(h: Hypothesis) -> None:
+def outlast_motions(h: Hypothesis, averages_out: bool) -> None:
     """Multiply the density of chance levels by the probability that such a level lasts for a further block."""
     h.chance_density *= CHANCE_STAYS
+    if averages_out:
+        h.noisy_density *= NOISY_STAYS
 
 
 def _weigh(h: Hypothesis, odds: float) -> None:

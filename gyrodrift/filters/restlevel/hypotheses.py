@@ -10,19 +10,25 @@ from math import exp
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.durations import begin_rest, outlast_motions, weigh_gradual_end, weigh_rest
-from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
+from gyrodrift.filters.restlevel.kalman import first_kalman_update, gaussian_logpdf, kalman_update
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest
 from gyrodrift.filters.restlevel.rate_state import NEVER
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
-from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
+from gyrodrift.filters.restlevel.segments import block_mean_var, confirming_blocks, is_from_start
 from gyrodrift.filters.restlevel.slide import follow_slide, mark_safe, restore_safe_bias, undo_safe_bias
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import forget_levels
 
 NOISY_REST_SHARE = 0.1
 """Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion."""
+
+LOUD_SHIFT_VAR = 0.03**2
+
+LOUD_SHIFT_S = 10.0
+
+LOUD_LEVEL_VAR = 1.0
 
 PARTS = ((0.25, 0.01), (0.25, 0.1), (0.48, 1.0), (0.02, 8.0))
 """Kinds of parts: their share, and the sigma of their turn-on bias over `turn_on_dps`. The first two subtract their own
@@ -153,7 +159,10 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
 
     The rest begins where the segment began: its yaw is the yaw at that time.
     """
-    mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
+    segment = s.segment
+    mean_dps, mean_var = segment.mean_dps, block_mean_var(segment, s.noise, seconds) / confirming_blocks(segment)
+    if segment.is_loud:
+        mean_var += LOUD_SHIFT_VAR
     _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
 
 
@@ -168,7 +177,7 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
-        if h.weight == 0.0 or h.is_at_rest:
+        if h.weight == 0.0 or h.is_at_rest or (s.segment.is_loud and not h.knows_bias):
             continue
         while s.hypotheses[free].weight > 0.0:
             free += 1
@@ -179,24 +188,29 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.knows_bias = h.knows_bias
         rest.turn_density = h.turn_density
         rest.is_at_rest, rest.was_at_rest = True, False
-        begin_rest(rest, s.wander, odds, s.noise.sample_var, mean_dps - h.bias_dps)
-        rest.weight = h.weight * exp(first_kalman_update(c, rest, mean_dps, mean_var))
-        weigh_rest(rest, s.segment.seconds, s.segment.sensor_odds)
+        begin_rest(rest, s.wander, odds, LOUD_LEVEL_VAR if s.segment.is_loud else s.noise.sample_var, mean_dps - h.bias_dps)
+        rest.weight = h.weight * exp(first_kalman_update(c, rest, mean_dps, mean_var, s.segment.is_loud))
+        if s.segment.is_loud:
+            rest.weight = h.weight
+        weigh_rest(rest, s.segment.seconds, s.segment.sensor_odds, level_density(s, rest))
         mark_safe(rest)
     merge_and_prune(s)
 
 
 def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """Resume the segment before: its rests go on, and the blocks between are no evidence."""
-    mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
+    segment = s.segment
+    mean_dps, mean_var = segment.mean_dps, block_mean_var(segment, s.noise, seconds) / confirming_blocks(segment)
+    if segment.is_loud:
+        mean_var += LOUD_SHIFT_VAR
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
             _go_back(h, h)
             if s.ended.ended_gradually:
                 undo_safe_bias(h)
-            first_kalman_update(c, h, mean_dps, mean_var)
+            first_kalman_update(c, h, mean_dps, mean_var, s.segment.is_loud)
             h.is_at_rest = True
-            weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
+            weigh_rest(h, s.segment.seconds, s.segment.sensor_odds, level_density(s, h))
     normalise(s)
 
 
@@ -205,23 +219,35 @@ def zero_velocity_update(
 ) -> None:
     """Update hypotheses of rest by the mean of a further block of a confirmed segment, and learn the noise."""
     noise = s.noise
-    mean_var = noise.angle_walk_var / seconds
+    mean_var = block_mean_var(s.segment, noise, seconds)
+    if s.segment.is_loud:
+        mean_var += LOUD_SHIFT_VAR * LOUD_SHIFT_S / seconds
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     rest_weight = excess_var = 0.0
     for h in s.hypotheses:
         if h.weight == 0.0 or not h.is_at_rest:
             continue
         rest_weight += h.weight
-        outlast_motions(h)
-        weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
+        outlast_motions(h, s.segment.averages_out)
+        weigh_rest(h, s.segment.seconds, s.segment.sensor_odds, level_density(s, h))
         innovation_dps = mean_dps - h.bias_dps
         beyond_var = innovation_dps * innovation_dps - h.bias_var - mean_var - noise.flicker_var
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
-        h.moving_s = 0.0
+        if not s.segment.is_loud:
+            h.moving_s = 0.0
         follow_slide(c, h, seconds)
     normalise(s)
-    learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
+    if not s.segment.is_loud:
+        learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
+
+
+def level_density(s: RestlevelState, h: Hypothesis) -> float:
+    segment = s.segment
+    if not segment.is_loud:
+        return 1.0
+    variance = h.bias_var + segment.loud_mean_var / segment.blocks + LOUD_SHIFT_VAR
+    return exp(gaussian_logpdf(segment.whole_dps - h.bias_dps, variance)) + 1e-12
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:

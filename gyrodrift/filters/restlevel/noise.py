@@ -40,6 +40,9 @@ USUAL_NOISE_DPS, NOISE_SPREAD = 0.06, 1.0
 MOTION_DENSITY = 0.11
 """Probability density of the logarithm of the scatter in motion: uniform from 0.01 to 100 deg/s, 1/ln(10⁴)."""
 
+LOUD_SPREAD = 0.7
+LOUD_SIGMAS = 4.0
+
 WALK_GAIN = 0.05
 """Weight of a squared step between two block means in the angle random walk."""
 
@@ -81,6 +84,19 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     if not noise.is_walk_measured:
         noise.angle_walk_var = 2.0 * noise.sample_var / _independent(block) * block.seconds
     return variance < noise.sample_var * limit
+
+
+def is_steadily_loud(block: BlockStats, noise: NoiseModel) -> bool:
+    """Whether a block that is not stationary is as noisy as the blocks before; it updates their variance."""
+    variance = noise.last_block_var
+    spread = LOUD_SPREAD * LOUD_SPREAD + LOUD_SIGMAS * LOUD_SIGMAS * 2.0 / _independent(block)
+    away = log(variance / noise.loud_var) if noise.loud_blocks > 0 else 0.0
+    if noise.loud_blocks == 0 or away * away > spread:
+        noise.loud_blocks, noise.loud_var = 1, variance
+        return False
+    noise.loud_blocks = min(noise.loud_blocks + 1, NOISE_BLOCKS)
+    noise.loud_var *= exp(away / noise.loud_blocks)
+    return True
 
 
 def begins_to_measure(noise: NoiseModel) -> bool:

@@ -75,6 +75,8 @@ class NoiseModel:
     flicker_var: float = 0.0
     is_frozen: bool = False
     frozen_deg: float = 0.0
+    loud_var: float = 0.0
+    loud_blocks: int = 0
 
 
 @dataclass(slots=True)
@@ -128,6 +130,10 @@ class RateSegment:
     last_mean_dps: float = 0.0
     least_dps: float = 0.0
     most_dps: float = 0.0
+    is_loud: bool = False
+    loud_mean_var: float = 0.0
+    whole_dps: float = 0.0
+    averages_out: bool = False
 
 
 @dataclass(slots=True)
@@ -150,6 +156,8 @@ class EndedSegment:
     ended_gradually: bool = False
     blocks_ago: int = NEVER
     short_start_blocks: int = 0
+    was_loud: bool = False
+    loud_var: float = 0.0
 
 
 TURN_SLOTS = 32

@@ -34,6 +34,7 @@ from gyrodrift.filters.restlevel.noise import FINE_DPS, begins_to_measure
 from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import (
     CONFIRMED_BLOCKS,
+    confirming_blocks,
     continues,
     goes_on_gradually,
     track_segment,
@@ -194,13 +195,13 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         end_certain_rest(s)
     predict(c, s, block.angle_deg, seconds)
     widen_yaw(s, seconds)
-    if not is_certain and segment.blocks > CONFIRMED_BLOCKS:
+    if not is_certain and segment.blocks > confirming_blocks(segment):
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:
         update_mean(segment, mean_dps)
-    if not is_certain and segment.blocks == CONFIRMED_BLOCKS:
+    if not is_certain and segment.blocks == confirming_blocks(segment):
         _confirm(c, s, seconds)
-    elif segment.blocks < CONFIRMED_BLOCKS:
+    elif segment.is_loud or segment.blocks < CONFIRMED_BLOCKS:
         follow_turns(s.turns, block.angle_deg, seconds)
     weigh_turns(s)
     collapse(c, s)
@@ -222,7 +223,7 @@ def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> Non
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.ended.ended_gradually:  # after a gradual end it belongs to the same turn as the segment before
+        if not s.ended.ended_gradually and not s.segment.is_loud:  # after a gradual end it belongs to the same turn as the segment before
             add_mean_rate(s.turns, s.segment.mean_dps)
 
 

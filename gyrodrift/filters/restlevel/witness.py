@@ -108,7 +108,7 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
             excess_var += h.weight * (innovation_dps * innovation_dps - h.bias_var - mean_var - flicker_var)
             kalman_update(h, mean_dps, mean_var, ramp_var)
         else:
-            first_kalman_update(c, h, mean_dps, mean_var)
+            first_kalman_update(c, h, mean_dps, mean_var, False)
         h.weight *= exp(h.odds - best)
         h.is_at_rest = True
         h.moving_s = 0.0
