@@ -116,9 +116,26 @@ def enter_segment(s: RestlevelState) -> None:
 
 def leave_segment(s: RestlevelState) -> None:
     """End the rest of all hypotheses at the end of a confirmed segment."""
+    if s.ended.was_loud:
+        count_loud_motion(s)
     for h in s.hypotheses:
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
+
+
+def count_loud_motion(s: RestlevelState) -> None:
+    noise, moving = s.noise, 1.0
+    for h in s.hypotheses:
+        if h.weight > 0.0 and h.is_at_rest:
+            moving -= h.weight
+    moving = max(0.0, moving)
+    if moving == 0.0:
+        return
+    noise.motions += moving
+    share = moving / noise.motions
+    if noise.motion_var == 0.0:
+        noise.motion_var = s.ended.loud_var
+    noise.motion_var *= (s.ended.loud_var / noise.motion_var) ** share
 
 
 def end_gradually(s: RestlevelState) -> None:
@@ -161,9 +178,13 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """
     segment = s.segment
     mean_dps, mean_var = segment.mean_dps, block_mean_var(segment, s.noise, seconds) / confirming_blocks(segment)
+    odds = c.start_odds if is_from_start(s, seconds) else c.rest_odds
     if segment.is_loud:
         mean_var += LOUD_SHIFT_VAR
-    _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
+        if s.noise.loud_var > 0.5 * s.noise.motion_var:
+            odds /= 1.0 + s.noise.motions
+        odds *= 0.5
+    _branch(c, s, mean_dps, mean_var, odds)
 
 
 def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:

@@ -77,6 +77,8 @@ class NoiseModel:
     frozen_deg: float = 0.0
     loud_var: float = 0.0
     loud_blocks: int = 0
+    motions: float = 0.0
+    motion_var: float = 0.0
 
 
 @dataclass(slots=True)
