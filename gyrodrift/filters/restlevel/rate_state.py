@@ -134,7 +134,6 @@ class RateSegment:
     most_dps: float = 0.0
     is_loud: bool = False
     loud_mean_var: float = 0.0
-    whole_dps: float = 0.0
     averages_out: bool = False
 
 

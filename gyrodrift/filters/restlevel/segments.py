@@ -16,11 +16,7 @@ LOUD_MEAN_VAR = 0.15**2
 
 LOUD_PRIOR_BLOCKS = 2
 
-SLIDE_SIGMAS = 3.0
-
 WHITE_SCATTER = 0.4
-
-LOUD_GATE_SIGMAS = 2.5
 
 SHORT_BLOCKS = 3
 """Smallest number of blocks of a short rest from the start. A device with a slow sensor may start to move before its
@@ -144,7 +140,7 @@ def continues(
     mean_var = block_mean_var(segment, noise, seconds)
     ramp_dps = c.rate_ramp_dps_s * seconds * ended.blocks_ago
     gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + noise.flicker_var
-    sigmas = LOUD_GATE_SIGMAS if segment.is_loud else LONG_GATE_SIGMAS if ended.seconds >= LONG_SEGMENT_S else GATE_SIGMAS
+    sigmas = LONG_GATE_SIGMAS if ended.seconds >= LONG_SEGMENT_S else GATE_SIGMAS
     innovation_dps = segment.mean_dps - ended.mean_dps
     is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
     if segment.is_loud != ended.was_loud:
@@ -181,7 +177,7 @@ def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_d
     mean_var = block_mean_var(segment, noise, seconds)
     if segment.blocks == 0 or not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, noise.flicker_var):
         segment.blocks, segment.seconds, segment.sum_squares = 1, seconds, 0.0
-        segment.head_sum_dps = segment.mean_dps = segment.whole_dps = mean_dps
+        segment.head_sum_dps = segment.mean_dps = mean_dps
         return
     step_dps = mean_dps - segment.last_mean_dps
     segment.sum_squares += step_dps * step_dps
@@ -195,10 +191,6 @@ def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_d
         first_var = noise.loud_var / samples
         segment.loud_mean_var = mean_var = (blocks * first_var + steps_var) / (blocks + segment.blocks - 1)
         if mean_var > max(LOUD_MEAN_VAR, noise.loud_var / samples):
-            segment.blocks = 0
-        segment.whole_dps += (mean_dps - segment.whole_dps) / max(segment.blocks, 1)
-        apart_dps = segment.mean_dps - segment.whole_dps
-        if segment.blocks > LOUD_BLOCKS and apart_dps * apart_dps > SLIDE_SIGMAS * SLIDE_SIGMAS * mean_var / MEAN_BLOCKS:
             segment.blocks = 0
     if segment.blocks == confirming_blocks(segment):
         slope_dps = 0.5 * (segment.last_mean_dps + mean_dps - segment.head_sum_dps)
