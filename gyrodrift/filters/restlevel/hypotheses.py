@@ -16,7 +16,7 @@ from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelSt
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest
 from gyrodrift.filters.restlevel.rate_state import NEVER
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
-from gyrodrift.filters.restlevel.segments import MEAN_BLOCKS, block_mean_var, confirming_blocks, is_from_start
+from gyrodrift.filters.restlevel.segments import block_mean_var, confirming_blocks, is_from_start
 from gyrodrift.filters.restlevel.slide import follow_slide, mark_safe, restore_safe_bias, undo_safe_bias
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import forget_levels
@@ -267,7 +267,7 @@ def level_density(s: RestlevelState, h: Hypothesis) -> float:
     segment = s.segment
     if not segment.is_loud:
         return 1.0
-    variance = h.bias_var + segment.loud_mean_var / min(segment.blocks, MEAN_BLOCKS) + LOUD_SHIFT_VAR
+    variance = h.bias_var + segment.loud_mean_var / segment.blocks + LOUD_SHIFT_VAR
     return exp(gaussian_logpdf(segment.mean_dps - h.bias_dps, variance)) + 1e-12
 
 

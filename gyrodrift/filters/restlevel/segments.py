@@ -128,9 +128,14 @@ def is_from_start(s: RestlevelState, seconds: float) -> bool:
     return not segment.is_loud and s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and range_dps < START_SIGMAS * sqrt(mean_var)
 
 
+def mean_blocks(segment: RateSegment) -> int:
+    """Number of blocks in the mean of the segment."""
+    return segment.blocks if segment.is_loud else min(segment.blocks, MEAN_BLOCKS)
+
+
 def update_mean(segment: RateSegment, mean_dps: float) -> None:
     """Update the mean of the segment by a further block."""
-    segment.mean_dps += (mean_dps - segment.mean_dps) / min(segment.blocks, MEAN_BLOCKS)
+    segment.mean_dps += (mean_dps - segment.mean_dps) / mean_blocks(segment)
 
 
 def continues(
@@ -210,5 +215,5 @@ def _scatter_var(segment: RateSegment, noise: NoiseModel, samples: int) -> float
 
 def _is_in_gate(segment: RateSegment, mean_dps: float, mean_var: float, ramp_dps: float, flicker_var: float) -> bool:
     """Whether a block mean may belong to the segment."""
-    gate_var = mean_var * (1.0 + 1.0 / min(segment.blocks, MEAN_BLOCKS)) + ramp_dps * ramp_dps + flicker_var
+    gate_var = mean_var * (1.0 + 1.0 / mean_blocks(segment)) + ramp_dps * ramp_dps + flicker_var
     return abs(mean_dps - segment.mean_dps) < GATE_SIGMAS * sqrt(gate_var)
