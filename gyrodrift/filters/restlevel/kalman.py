@@ -94,14 +94,12 @@ def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: flo
     return ramp_logpdf + log(evidence)
 
 
-def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float, mean_var: float, is_loud: bool) -> float:
+def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float, mean_var: float) -> float:
     """Update a hypothesis at the beginning of a rest; return the logarithm of the likelihood of the mean.
 
     A hypothesis without a rest has the prior of the turn-on bias: a Gaussian of typical parts, and a wide Gaussian.
     Both have its mean: 0, or the last bias before a restart.
     """
-    if h.knows_bias and is_loud:
-        return kalman_update(h, mean_dps, mean_var, 0.0)
     if h.knows_bias:
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
         log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)

@@ -40,9 +40,6 @@ USUAL_NOISE_DPS, NOISE_SPREAD = 0.06, 1.0
 MOTION_DENSITY = 0.11
 """Probability density of the logarithm of the scatter in motion: uniform from 0.01 to 100 deg/s, 1/ln(10⁴)."""
 
-LOUD_SPREAD = 0.7
-LOUD_SIGMAS = 4.0
-
 WALK_GAIN = 0.05
 """Weight of a squared step between two block means in the angle random walk."""
 
@@ -65,7 +62,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < MAX_NOISE_VAR):
         _forget_blocks(noise)  # blocks of a repeated value show no noise
         variance = _variance(block, noise)
-    error = sqrt(2.0 / _independent(block))  # relative standard error of a variance
+    error = sqrt(2.0 / independent(block))  # relative standard error of a variance
     if noise.sample_var < 0.0:
         noise.sample_var = variance
     limit = 1.0 + c.stationarity_sigmas * error * sqrt(1.0 + 1.0 / max(noise.stationary_blocks, 1))
@@ -82,21 +79,8 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
         noise.sample_var *= 1.0 + NOISE_RISE * block.seconds
     noise.last_block_var = variance
     if not noise.is_walk_measured:
-        noise.angle_walk_var = 2.0 * noise.sample_var / _independent(block) * block.seconds
+        noise.angle_walk_var = 2.0 * noise.sample_var / independent(block) * block.seconds
     return variance < noise.sample_var * limit
-
-
-def is_steadily_loud(block: BlockStats, noise: NoiseModel) -> bool:
-    """Whether a block that is not stationary is as noisy as the blocks before; it updates their variance."""
-    variance = noise.last_block_var
-    spread = LOUD_SPREAD * LOUD_SPREAD + LOUD_SIGMAS * LOUD_SIGMAS * 2.0 / _independent(block)
-    away = log(variance / noise.loud_var) if noise.loud_blocks > 0 else 0.0
-    if noise.loud_blocks == 0 or away * away > spread:
-        noise.loud_blocks, noise.loud_var = 1, variance
-        return False
-    noise.loud_blocks = min(noise.loud_blocks + 1, NOISE_BLOCKS)
-    noise.loud_var *= exp(away / noise.loud_blocks)
-    return True
 
 
 def begins_to_measure(noise: NoiseModel) -> bool:
@@ -152,7 +136,7 @@ def learn_at_rest(
     noise.is_walk_measured = noise.is_walk_measured or rest_weight > 0.5
     measured_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
     walk_var = noise.angle_walk_var + WALK_GAIN * rest_weight * (measured_var - noise.angle_walk_var)
-    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / _independent(block) * seconds)
+    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / independent(block) * seconds)
 
 
 def _forget_blocks(noise: NoiseModel) -> None:
@@ -162,7 +146,7 @@ def _forget_blocks(noise: NoiseModel) -> None:
     noise.has_steps, noise.is_walk_measured = True, False
 
 
-def _independent(block: BlockStats) -> int:
+def independent(block: BlockStats) -> int:
     """Number of independent samples of a block: all, unless most repeat the one before; two are the least."""
     return max(block.samples - block.repeats, 2) if 2 * block.repeats >= block.samples else block.samples
 

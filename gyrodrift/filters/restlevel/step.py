@@ -37,6 +37,7 @@ from gyrodrift.filters.restlevel.segments import (
     confirming_blocks,
     continues,
     goes_on_gradually,
+    is_confirmed,
     track_segment,
     update_mean,
 )
@@ -195,11 +196,12 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         end_certain_rest(s)
     predict(c, s, block.angle_deg, seconds)
     widen_yaw(s, seconds)
-    if not is_certain and segment.blocks > confirming_blocks(segment):
+    is_confirming = segment.blocks == confirming_blocks(segment)
+    if not is_certain and is_confirmed(segment) and not is_confirming:
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:
         update_mean(segment, mean_dps)
-    if not is_certain and segment.blocks == confirming_blocks(segment):
+    if not is_certain and is_confirming:
         _confirm(c, s, seconds)
     elif segment.is_loud or segment.blocks < CONFIRMED_BLOCKS:
         follow_turns(s.turns, block.angle_deg, seconds)
@@ -218,12 +220,12 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
 
 def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """Resume the segment before, or branch the hypotheses, when a segment is confirmed."""
-    if continues(c, s.segment, s.ended, s.noise, seconds):
+    if continues(c, s, seconds):
         s.segment.seconds += s.ended.seconds
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.ended.ended_gradually and not s.segment.is_loud:  # after a gradual end it belongs to the same turn as the segment before
+        if not s.segment.is_loud and not s.ended.ended_gradually:  # after a gradual end it is the same turn
             add_mean_rate(s.turns, s.segment.mean_dps)
 
 

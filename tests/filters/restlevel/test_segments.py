@@ -186,4 +186,4 @@ def test_a_segment_continues_one_of_its_mean_within_ten_blocks(gap: int, mean_dp
     assert s.segment.blocks == 0
     track(s, *[mean_dps] * 5)
     assert s.segment.blocks == 5
-    assert continues(C, s.segment, s.ended, s.noise, 0.3) is expected
+    assert continues(C, s, 0.3) is expected

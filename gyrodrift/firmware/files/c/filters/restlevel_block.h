@@ -15,7 +15,7 @@ static inline void gd_rl_confirm(gd_restlevel *s, gd_real seconds) {
     gd_rl_resume(s, seconds);
   } else {
     gd_rl_branch(s, seconds);
-    if (!s->ended.ended_gradually) { /* after a gradual end it is the same turn */
+    if (!gd_rl_is_loud(s) && !s->ended.ended_gradually) { /* after a gradual end it is the same turn */
       gd_rl_add_mean_rate(&s->turns, s->segment.mean_dps);
     }
   }
@@ -57,15 +57,16 @@ static inline void gd_rl_keep_near_zero(gd_restlevel *s) {
 /* Updates the hypotheses at a rest, branches them at a confirmed segment, and computes the output. */
 static inline void gd_rl_take_rest(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds,
                                    int is_certain) {
-  if (!is_certain && s->segment.blocks > GD_CONFIRMED_BLOCKS) {
+  const int is_confirming = s->segment.blocks == gd_rl_confirming_blocks(s);
+  if (!is_certain && gd_rl_is_confirmed(s) && !is_confirming) {
     gd_rl_zero_velocity_update(s, mean_dps, step_dps, seconds);
   }
   if (s->segment.blocks > 1) {
-    gd_rl_update_mean(&s->segment, mean_dps);
+    gd_rl_update_mean(s, mean_dps);
   }
-  if (!is_certain && s->segment.blocks == GD_CONFIRMED_BLOCKS) {
+  if (!is_certain && is_confirming) {
     gd_rl_confirm(s, seconds);
-  } else if (s->segment.blocks < GD_CONFIRMED_BLOCKS) {
+  } else if (gd_rl_is_loud(s) || s->segment.blocks < GD_CONFIRMED_BLOCKS) {
     gd_rl_follow_turns(&s->turns, s->block.angle_deg, s->block.seconds);
   }
   gd_rl_weigh_turns(s);

@@ -27,17 +27,46 @@ static inline void gd_rl_go_back(const gd_rl_hypothesis *h, gd_rl_hypothesis *to
   to->moving_s = h->checkpoint.moving_s;
 }
 
+/* Variance of the mean of a segment that is confirmed now, as a bias. */
+static inline gd_real gd_rl_level_var(const gd_restlevel *s, gd_real seconds) {
+  const gd_real mean_var = gd_rl_block_mean_var(s, seconds) / (gd_real)gd_rl_confirming_blocks(s);
+  return gd_rl_is_loud(s) ? mean_var + GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_DPS : mean_var;
+}
+
+/* Updates a hypothesis at the beginning of a rest; returns the logarithm of the likelihood of the mean. A loud rest is
+   no reason for a ramp of the bias: a gentle bend has such a mean. */
+static inline gd_real gd_rl_measure_segment(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real mean_dps,
+                                          gd_real mean_var) {
+  if (gd_rl_is_loud(s)) {
+    return gd_rl_kalman_update(h, mean_dps, mean_var, GD_R(0.0));
+  }
+  return gd_rl_first_kalman_update(&s->c, h, mean_dps, mean_var);
+}
+
+/* Weighs the present rest of a hypothesis. */
+static inline void gd_rl_weigh_segment(const gd_restlevel *s, gd_rl_hypothesis *h) {
+#if GD_RESTLEVEL_LOUD
+  if (s->segment.is_loud) {
+    gd_rl_weigh_loud_rest(h, (gd_real)s->segment.seconds, gd_rl_level_density(s, h));
+    return;
+  }
+#endif
+  gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+}
+
 /* Begins `rest` as the rest of a hypothesis, at the beginning of the segment. */
 static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothesis *h, gd_rl_hypothesis *rest,
                                       const gd_rl_level *level) {
+  const gd_real level_var = gd_rl_is_loud(s) ? GD_LOUD_LEVEL_DPS * GD_LOUD_LEVEL_DPS : s->noise.sample_var;
+  gd_real log_likelihood;
   *rest = *h;
   gd_rl_go_back(h, rest);
   rest->is_at_rest = 1;
   rest->was_at_rest = 0;
-  gd_rl_begin_rest(rest, &s->wander, level->odds, s->noise.sample_var, level->mean_dps - h->bias_dps);
-  rest->weight =
-      h->weight * GD_EXP(gd_rl_first_kalman_update(&s->c, rest, level->mean_dps, level->mean_var));
-  gd_rl_weigh_rest(rest, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+  gd_rl_begin_rest(rest, &s->wander, level->odds, level_var, level->mean_dps - h->bias_dps);
+  log_likelihood = gd_rl_measure_segment(s, rest, level->mean_dps, level->mean_var);
+  rest->weight = gd_rl_is_loud(s) ? h->weight : h->weight * GD_EXP(log_likelihood);
+  gd_rl_weigh_segment(s, rest);
   gd_rl_mark_safe(rest);
 }
 
@@ -57,7 +86,7 @@ static inline void gd_rl_branch_rests(const gd_restlevel *s, gd_rl_rests *rests,
   uint8_t k, slot = gd_rl_free_slot(s, 0);
   rests->count = 0;
   for (k = 0; k < s->stored; ++k) {
-    if (!s->hypotheses[k].is_at_rest) {
+    if (!s->hypotheses[k].is_at_rest && !(gd_rl_is_loud(s) && !s->hypotheses[k].knows_bias)) {
       gd_rl_hypothesis *rest = &rests->items[rests->count];
       gd_rl_begin_branch(s, &s->hypotheses[k], rest, level);
       rest->slot = (uint8_t)(slot & 15);
@@ -109,8 +138,11 @@ static inline void gd_rl_branch_by(gd_restlevel *s, const gd_rl_level *level) {
 static inline void gd_rl_branch(gd_restlevel *s, gd_real seconds) {
   gd_rl_level level;
   level.mean_dps = s->segment.mean_dps;
-  level.mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
+  level.mean_var = gd_rl_level_var(s, seconds);
   level.odds = gd_rl_is_from_start(s, seconds) ? s->c.start_odds : s->c.rest_odds;
+#if GD_RESTLEVEL_LOUD
+  level.odds = s->segment.is_loud ? gd_rl_loud_odds(s, level.odds) : level.odds;
+#endif
   gd_rl_branch_by(s, &level);
 }
 

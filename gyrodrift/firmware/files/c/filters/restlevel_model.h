@@ -21,8 +21,9 @@
 #error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
 #endif
 
-/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, or the rule for gaps and
-   restarts, without which the rate is integrated over a gap: less code and memory, and the same results otherwise. */
+/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, rests with a running engine,
+   or the rule for gaps and restarts, without which the rate is integrated over a gap: less code and memory, and the
+   same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
@@ -36,6 +37,10 @@
 #endif
 #ifndef GD_RESTLEVEL_GAPS
 #define GD_RESTLEVEL_GAPS GD_RL_DEFAULT_PARTS
+#endif
+
+#ifndef GD_RESTLEVEL_LOUD
+#define GD_RESTLEVEL_LOUD GD_RL_DEFAULT_PARTS
 #endif
 
 #define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
@@ -82,6 +87,9 @@ typedef struct {
   gd_rl_remembered remembered;
 #endif
   gd_rl_noise noise;
+#if GD_RESTLEVEL_LOUD
+  gd_rl_loud loud;
+#endif
   gd_rl_segment segment;
   gd_rl_ended ended;
   gd_rl_moments moments;
