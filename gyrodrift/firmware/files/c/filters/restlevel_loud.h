@@ -91,4 +91,35 @@ static inline void gd_rl_count_motion(gd_restlevel *s) {
 
 #endif
 
+/* Updates the means of a loud segment; returns whether the segment may be a rest. */
+static inline int gd_rl_may_rest(gd_restlevel *s) {
+#if GD_RESTLEVEL_LOUD
+  if (s->segment.is_loud) {
+    return gd_rl_follow_means(s);
+  }
+#endif
+  (void)s;
+  return 1;
+}
+
+/* Whether the block belongs to a segment: it is stationary, or as loud as the blocks before. */
+static inline int gd_rl_belongs_to_segment(gd_restlevel *s, int is_stationary, int may_be_loud) {
+#if GD_RESTLEVEL_LOUD
+  if (!may_be_loud) {
+    s->loud.blocks = 0;
+  }
+  if (!is_stationary && !(may_be_loud && gd_rl_is_steadily_loud(s))) {
+    return 0;
+  }
+  if (s->segment.is_loud != may_be_loud) {
+    s->segment.is_loud = may_be_loud != 0;
+    s->segment.blocks = 0;
+  }
+  return 1;
+#else
+  (void)s, (void)may_be_loud;
+  return is_stationary;
+#endif
+}
+
 #endif

@@ -104,8 +104,8 @@ static inline void gd_rl_follow_wander(gd_restlevel *s, gd_real mean_dps, gd_rea
   }
 }
 
-/* Updates the likelihood of the scatter of the segment, as a variance of samples: of the samples, or as the steps between
-   block means imply, if that is smaller. A vibration averages out within a block, a motion does not. */
+/* Updates the likelihood of the scatter of the segment, as a variance of samples: of the samples, or as the steps
+   between block means imply, if that is smaller. A vibration averages out within a block, a motion does not. */
 static inline void gd_rl_follow_scatter(gd_restlevel *s) {
   gd_rl_segment *segment = &s->segment;
   const gd_real blocks = (gd_real)(segment->blocks - 1);
@@ -117,17 +117,6 @@ static inline void gd_rl_follow_scatter(gd_restlevel *s) {
   segment->averages_out = step_var < GD_LESS_THAN_WHITE * sample_var;
   segment->sensor_odds =
       gd_rl_is_loud(s) ? GD_R(1.0) : gd_rl_sensor_odds(gd_max(GD_MIN_VAR, gd_min(sample_var, step_var)));
-}
-
-/* Updates the means of a loud segment; returns whether the segment may be a rest. */
-static inline int gd_rl_may_rest(gd_restlevel *s) {
-#if GD_RESTLEVEL_LOUD
-  if (s->segment.is_loud) {
-    return gd_rl_follow_means(s);
-  }
-#endif
-  (void)s;
-  return 1;
 }
 
 /* Extends the segment by a stationary or loud block, or begins another segment. */
@@ -161,26 +150,6 @@ static inline void gd_rl_take_block(gd_restlevel *s, gd_real mean_dps, gd_real s
   if (!is_rest_like) {
     segment->blocks = 0;
   }
-}
-
-/* Whether the block belongs to a segment: it is stationary, or as loud as the blocks before. */
-static inline int gd_rl_belongs_to_segment(gd_restlevel *s, int is_stationary, int may_be_loud) {
-#if GD_RESTLEVEL_LOUD
-  if (!may_be_loud) {
-    s->loud.blocks = 0;
-  }
-  if (!is_stationary && !(may_be_loud && gd_rl_is_steadily_loud(s))) {
-    return 0;
-  }
-  if (s->segment.is_loud != may_be_loud) {
-    s->segment.is_loud = may_be_loud != 0;
-    s->segment.blocks = 0;
-  }
-  return 1;
-#else
-  (void)s, (void)may_be_loud;
-  return is_stationary;
-#endif
 }
 
 /* Updates the range of block means, the agreement of levels and the segment by the present block. */
