@@ -98,15 +98,21 @@ static inline void gd_attitude_log_first_rest(gd_real *level, gd_real *rest, gd_
   *rest = gd_log_add(GD_LOG(GD_ATTITUDE_ONE_KIND) + *rest, vertical);
 }
 
+static inline int gd_attitude_is_loud(const gd_attitude_candidate *m) {
+  return m->kind.blocks > GD_ATTITUDE_QUIET_BLOCKS;
+}
+
 /* Sigma of the drift of a bias since the last rest, rad/s. */
-static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h) {
-  return h->knows_bias ? a->c.drift_rate * gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S) : GD_R(0.0);
+static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h,
+                                        const gd_attitude_candidate *m) {
+  return h->knows_bias && !gd_attitude_is_loud(m) ? a->c.drift_rate * gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S) : GD_R(0.0);
 }
 
 /* Add the drift since the last rest to a covariance. It grew evenly, so the error of the heading is half of its end
    value times the time since the rest. */
-static inline void gd_attitude_add_drift(const gd_attitude *a, gd_attitude_hypothesis *h) {
-  const gd_real drift = gd_attitude_drift(a, h), half_s = GD_R(0.5) * h->moving_s;
+static inline void gd_attitude_add_drift(const gd_attitude *a, gd_attitude_hypothesis *h,
+                                         const gd_attitude_candidate *m) {
+  const gd_real drift = gd_attitude_drift(a, h, m), half_s = GD_R(0.5) * h->moving_s;
   gd_real up[3];
   int i;
   gd_up_in_sensor(up, h->q);
@@ -126,7 +132,7 @@ typedef struct {
 static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attitude *a,
                                          const gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
                                          const gd_real up[3], const gd_real variance[3]) {
-  const gd_real drift = gd_attitude_drift(a, h);
+  const gd_real drift = gd_attitude_drift(a, h, m);
   const gd_real error = h->knows_bias ? GD_ATTITUDE_SAME_RATE : GD_ATTITUDE_MODEL_ERROR;
   gd_real basis[9], off[3], rate[3], turn_on[3], spread[9];
   int i;
@@ -179,7 +185,9 @@ static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, con
   gd_attitude_offset_of(&o, a, h, m, up, variance);
   level = gd_log_density(o.off, o.spread, o.error_var, 2);
   chance = gd_log_density(o.off, o.spread, o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD, 3);
-  if (h->knows_bias) {
+  if (h->knows_bias && gd_attitude_is_loud(m)) {
+    rest = gd_log_density(o.off, o.spread, o.error_var, 3);
+  } else if (h->knows_bias) {
     rest = gd_attitude_log_known_rest(h, &o, sigma * sigma);
   } else {
     gd_attitude_log_first_rest(&level, &rest, sigma * sigma, o.turn_on, o.off[2], o.spread[8]);

@@ -189,7 +189,7 @@ static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidat
   sum->count = (uint8_t)(rests + turns);
   for (i = 0; i < sum->count; i++) {
     if (i < rests) {
-      gd_attitude_add_drift(a, gd_attitude_at(a, i));
+      gd_attitude_add_drift(a, gd_attitude_at(a, i), m);
       gd_attitude_measure_rest(gd_attitude_at(a, i), m, GD_R(1.0), 1);
     } else {
       gd_attitude_measure_turn(gd_attitude_at(a, i), m);
