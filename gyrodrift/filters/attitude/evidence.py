@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
-from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.filters.attitude.rests import RestCandidate, is_loud
 from gyrodrift.filters.restlevel.hypotheses import PARTS
 from gyrodrift.values.arrays import Floats
 
@@ -80,7 +80,9 @@ def weigh(
     model_var = SAME_RATE**2 if h.knows_bias[i] else MODEL_ERROR**2
     wide = spread + (model_var + ALIGNMENT**2 * float(rate @ rate)) * np.eye(3)
     level = normal_density(off[:2], wide[:2, :2])
-    if h.knows_bias[i]:
+    if h.knows_bias[i] and is_loud(m):
+        rest = normal_density(off, wide)
+    elif h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
         jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / LONGEST_DRIFT_S)
         rest = (1.0 - jumps) * normal_density(off, wide) + jumps * normal_density(off, wide + jump)
@@ -90,7 +92,7 @@ def weigh(
     else:
         turn_on = rate - basis @ turn_on_bias / RAD
         level, rest = first_rest_densities(c, turn_on, float(off[2]), float(spread[2, 2]))
-    share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
+    share = NOISY_MOTION_SHARE if is_loud(m) else MOTION_SHARE
     chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
     chance += level * normal_density(off[2:], wide[2:, 2:] + MOTION_SPREAD**2)
     return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))

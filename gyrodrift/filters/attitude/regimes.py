@@ -12,7 +12,7 @@ from gyrodrift.filters.attitude.evidence import ALIGNMENT, LONGEST_DRIFT_S, MODE
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
-from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.filters.attitude.rests import QUIET, RestCandidate, is_loud
 from gyrodrift.values.arrays import Floats
 
 LEVEL_S = 12.0
@@ -52,11 +52,10 @@ def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float
 
     `odds` are the prior odds of a rest, and `turn_on_bias` (3) is the mean of the prior of an unknown bias, rad/s.
     """
-    drifted = with_drift(h, c.drift_rate)
-    variance = np.diag(mean_variances(m))
+    drifted = h.select(np.arange(len(h.weight))) if is_loud(m) else with_drift(h, c.drift_rate)
     log_rest, log_motion = np.empty(len(h.weight)), np.empty(len(h.weight))
     for i in range(len(h.weight)):
-        evidence = weigh(c, drifted, i, m, _vertical(h, i, m), variance, turn_on_bias)
+        evidence = weigh(c, drifted, i, m, _vertical(h, i, m), level_variance(h, i, m), turn_on_bias)
         log_rest[i] = evidence.rest + np.log(odds + 1e-300)
         log_motion[i] = evidence.motion
     most = max(log_rest.max(), log_motion.max())
@@ -99,6 +98,16 @@ def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
 def mean_variances(m: RestCandidate) -> Floats:
     """Variances (3) of the mean rates of a candidate as a bias, (rad/s)²."""
     return m.gyro_var * scatter_share(m) + (0.0 if m.kind is QUIET else (m.kind.bias * REST_BIAS) ** 2)
+
+
+def level_variance(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
+    """Covariance (3, 3) of the mean rates where hypothesis i is tested, (rad/s)².
+
+    A loud level is no reason to forget a known bias: its error is that of any rest.
+    """
+    if is_loud(m) and h.knows_bias[i]:
+        return np.diag(m.gyro_var * SPREAD_WEIGHT / m.kind.blocks + REST_BIAS**2)
+    return np.diag(mean_variances(m))
 
 
 def rest_variances(h: Hypotheses, m: RestCandidate, overlap: float) -> Floats:

@@ -67,6 +67,16 @@ static inline void gd_attitude_mean_variances(gd_real out[3], const gd_attitude_
   }
 }
 
+/* The same where a level is tested: ... */
+static inline void gd_attitude_level_variances(gd_real out[3], const gd_attitude_hypothesis *h,
+                                               const gd_attitude_candidate *m) {
+  int i;
+  gd_attitude_mean_variances(out, m);
+  for (i = 0; h->knows_bias && gd_attitude_is_loud(m) && i < 3; i++) {
+    out[i] = m->gyro_var[i] * GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks + GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS;
+  }
+}
+
 /* The same as measurements of the bias. `overlap` is the factor of a window that contains blocks of an earlier
    update. */
 static inline void gd_attitude_rest_variances(gd_real out[3], const gd_attitude_hypothesis *h,
@@ -149,7 +159,7 @@ static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_moti
   int i;
   for (i = 0; i < a->sum.count; i++) {
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    gd_attitude_mean_variances(variance, m);
+    gd_attitude_level_variances(variance, h, m);
     gd_attitude_vertical(up, h, m);
     gd_attitude_weigh(&log_rest[i], &log_motion[i], a, h, m, up, variance);
     log_rest[i] += log_odds;
