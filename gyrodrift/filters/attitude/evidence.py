@@ -6,9 +6,9 @@ import numpy as np
 
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
-from gyrodrift.filters.attitude.rests import RestCandidate, is_loud
+from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.restlevel.hypotheses import PARTS
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 TURNS_PER_DPS = 0.03
 """Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions."""
@@ -42,6 +42,16 @@ Chosen: flicker of common parts within seconds."""
 
 LONGEST_DRIFT_S = 20.0
 """Longest drift of a bias since the last rest, s, as in restlevel."""
+
+
+def must_agree(h: Hypotheses, m: RestCandidate) -> Mask:
+    """Hypotheses (n) with a sure bias, if a candidate is a noisy rest: it has to agree with their bias.
+
+    A straight drive or a gentle bend looks the same as a rest with a running engine.
+    """
+    spread = np.trace(h.cov[:, BIAS, BIAS], axis1=1, axis2=2)
+    is_sure: Mask = h.knows_bias & (spread < 3.0 * (MODEL_ERROR * RAD) ** 2)
+    return is_sure & (m.kind.blocks > QUIET.blocks)
 
 
 class RestEvidence(NamedTuple):
@@ -80,19 +90,19 @@ def weigh(
     model_var = SAME_RATE**2 if h.knows_bias[i] else MODEL_ERROR**2
     wide = spread + (model_var + ALIGNMENT**2 * float(rate @ rate)) * np.eye(3)
     level = normal_density(off[:2], wide[:2, :2])
-    if h.knows_bias[i] and is_loud(m):
-        rest = normal_density(off, wide)
-    elif h.knows_bias[i]:
+    if h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
         jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / LONGEST_DRIFT_S)
-        rest = (1.0 - jumps) * normal_density(off, wide) + jumps * normal_density(off, wide + jump)
+        rest = normal_density(off, wide)
+        if not must_agree(h, m)[i]:
+            rest = (1.0 - jumps) * rest + jumps * normal_density(off, wide + jump)
         prior = spread + (c.bias_sigma / RAD) ** 2 * np.eye(3)
         if float(rate @ rate) < float(h.bias[i] @ h.bias[i]) / RAD**2:
             rest += MISTAKE_SHARE * normal_density(rate, prior)
     else:
         turn_on = rate - basis @ turn_on_bias / RAD
         level, rest = first_rest_densities(c, turn_on, float(off[2]), float(spread[2, 2]))
-    share = NOISY_MOTION_SHARE if is_loud(m) else MOTION_SHARE
+    share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
     chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
     chance += level * normal_density(off[2:], wide[2:, 2:] + MOTION_SPREAD**2)
     return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))

@@ -72,11 +72,6 @@ class RestCandidate(NamedTuple):
     accel: Floats
 
 
-def is_loud(candidate: RestCandidate) -> bool:
-    """Whether a candidate is a noisy rest."""
-    return candidate.kind.blocks > QUIET.blocks
-
-
 @dataclass(slots=True)
 class Windows:
     """Means of the last blocks, twice, so that each window is contiguous.

@@ -67,13 +67,14 @@ static inline void gd_attitude_mean_variances(gd_real out[3], const gd_attitude_
   }
 }
 
-/* The same where a level is tested: ... */
-static inline void gd_attitude_level_variances(gd_real out[3], const gd_attitude_hypothesis *h,
+/* The same where a hypothesis is tested. A rest that has to agree has the error of any rest. */
+static inline void gd_attitude_test_variances(gd_real out[3], const gd_attitude_hypothesis *h,
                                                const gd_attitude_candidate *m) {
   int i;
   gd_attitude_mean_variances(out, m);
-  for (i = 0; h->knows_bias && gd_attitude_is_loud(m) && i < 3; i++) {
-    out[i] = m->gyro_var[i] * GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks + GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS;
+  for (i = 0; gd_attitude_must_agree(h, m) && i < 3; i++) {
+    out[i] = m->gyro_var[i] * GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks +
+             GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS;
   }
 }
 
@@ -159,7 +160,7 @@ static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_moti
   int i;
   for (i = 0; i < a->sum.count; i++) {
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    gd_attitude_level_variances(variance, h, m);
+    gd_attitude_test_variances(variance, h, m);
     gd_attitude_vertical(up, h, m);
     gd_attitude_weigh(&log_rest[i], &log_motion[i], a, h, m, up, variance);
     log_rest[i] += log_odds;
