@@ -25,10 +25,10 @@ below `MAX_NOISE_VAR`, (deg/s)². Its root is twenty times `USUAL_NOISE_DPS`."""
 NOISE_BLOCKS = 20
 """Number of stationary blocks up to which the noise is their mean; after that it follows by `NOISE_GAIN`."""
 
-NOISE_GAIN = 0.05
+NOISE_GAIN = 0.01
 NOISE_RISE = 0.001
 """Weight of a stationary block in the logarithm of the noise, and relative rise of the noise in other blocks, 1/s. It
-rises because a motor may have been switched on."""
+rises because a motor may have been switched on. The first is small, so that a smooth road does not become the noise."""
 
 DROP_SIGMAS = 4.5
 """Distance of two consecutive variances below the noise, in standard errors, at which they replace the noise."""
