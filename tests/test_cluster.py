@@ -15,8 +15,8 @@ import pytest
 from cluster_support import Cluster, cluster, end
 from support import free_port
 
-from gyrodrift.io import cluster as cluster_module
-from gyrodrift.io.cluster import ClusterWorkers
+from gyrodrift.io import parallel as cluster_module
+from gyrodrift.io.parallel import ClusterWorkers
 from gyrodrift.session.files import load_session
 from gyrodrift.values.errors import DataError, GyrodriftError, UsageError
 

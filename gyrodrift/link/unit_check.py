@@ -9,6 +9,7 @@ from collections.abc import Callable
 from math import isnan
 from typing import Any
 
+from gyrodrift.columns.sizes import WINDOW
 from gyrodrift.link.clocks.clock import Clock
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
@@ -213,15 +214,11 @@ def _csv_spec(sample: Sample) -> str:
     return ", ".join(columns)
 
 
-WINDOW = 50
-"""Samples per window, as in `rate_unit`."""
-
-
 PACE_S, LEAST_PACE, SAME_PACE = 3.0, 1.6, 0.05
 """Time over which a pace is measured, s, least factor by which it is wrong, and largest difference of two of them."""
 
 PACE_PAUSE_S = 0.5
-"""A pause of the lines after which the pace is measured anew, s: what the clock did meanwhile is unknown."""
+"""A pause of the lines after which a pace is measured again, s: what the clock did meanwhile is unknown."""
 
 FASTEST_REPLAY = 10.0
 """A clock that is faster than this is that of a replay as fast as it can."""

@@ -111,7 +111,8 @@ static inline int gd_attitude_must_agree(const gd_attitude_hypothesis *h, const 
 /* Sigma of the drift of a bias since the last rest, rad/s. */
 static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h,
                                         const gd_attitude_candidate *m) {
-  return h->knows_bias && !gd_attitude_must_agree(h, m) ? a->c.drift_rate * gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S) : GD_R(0.0);
+  const gd_real seconds = gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S);
+  return h->knows_bias && !gd_attitude_must_agree(h, m) ? a->c.drift_rate * seconds : GD_R(0.0);
 }
 
 /* Add the drift since the last rest to a covariance. It grew evenly, so the error of the heading is half of its end

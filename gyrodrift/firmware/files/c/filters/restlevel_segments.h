@@ -190,15 +190,14 @@ static inline int gd_rl_has_moved(const gd_restlevel *s) {
 }
 
 /* Takes a block into the present segment, begins another segment, or ends the segment. */
-static inline void gd_rl_track_segment(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
+static inline void gd_rl_track_segment(gd_restlevel *s, int is_stationary, gd_real mean_dps, gd_real step_dps,
+                                       gd_real seconds) {
   gd_rl_ended *ended = &s->ended;
   const gd_rl_segment before = s->segment;
   const int was_confirmed = gd_rl_is_confirmed(s);
 #if GD_RESTLEVEL_LOUD
   const gd_real loud_before_var = s->loud.sample_var;
 #endif
-  const int is_stationary =
-      !s->noise.is_frozen && gd_rl_is_stationary(s, seconds) && !gd_rl_has_moved(s);
   const int may_be_loud = !is_stationary && !s->noise.is_frozen && !gd_rl_has_moved(s);
   const int is_short_start = !is_stationary && gd_rl_is_short_start(s, seconds);
   gd_rl_take_mean(s, is_stationary, may_be_loud, mean_dps, seconds);
