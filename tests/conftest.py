@@ -1,5 +1,6 @@
 """Fixtures for all tests, first of all the one that fails a test that leaves something behind."""
 
+import gc
 import os
 import sys
 import tempfile
@@ -68,6 +69,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector the walk over all tests, which stay until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
