@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import structlog
@@ -19,6 +19,9 @@ from process_defaults import set_process_defaults
 from recordings_support import Recordings
 from warm_process import forks
 from worker_groups import GroupScheduling
+
+if TYPE_CHECKING:
+    from cluster_support import Cluster
 
 settings.register_profile("untimed", deadline=None, max_examples=40)  # the machine's business; make fuzz tries more
 settings.load_profile("untimed")
@@ -124,6 +127,13 @@ def diagnosis_kernels(request: pytest.FixtureRequest) -> None:
     """Compile what a diagnosis needs in one of several test processes; it takes 15 s, and the others load it."""
     if hasattr(request.config, "workerinput"):
         built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator["Cluster"]:
+    """A cluster of two workers, for tests of the group "cluster" that leave its scheduler alive."""
+    with import_module("cluster_support").cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
+        yield running
 
 
 @pytest.fixture(scope="session")

@@ -6,14 +6,13 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 import dask
 import pytest
 from cluster_support import Cluster, cluster, end
-from support import free_port
+from support import free_port, quick
 
 from gyrodrift.io import cluster as cluster_module
 from gyrodrift.io.cluster import ClusterWorkers
@@ -26,13 +25,6 @@ pytestmark = pytest.mark.xdist_group("cluster")
 
 LONG_S = 60.0
 """Duration of a task that must still run when its cluster is lost, s."""
-
-
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    """Two workers, for tests that leave the scheduler alive."""
-    with cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
-        yield running
 
 
 def test_results_come_in_the_order_of_their_tasks(shared: Cluster) -> None:
@@ -73,7 +65,7 @@ def test_a_missing_scheduler_is_reported_within_seconds(
     address: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The message is a line, without output of Dask, whose own patience has no part in it."""
-    monkeypatch.setattr(cluster_module, "CONNECT_S", 1.0)
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
     with silent() as server, dask.config.set({"distributed.comm.timeouts.connect": "1 h"}):
         addresses = {
             "closed port": f"tcp://127.0.0.1:{free_port()}",
@@ -101,7 +93,7 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         ClusterWorkers("tcp://127.0.0.1:8786", "tuning")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+@pytest.mark.parametrize("number", quick([signal.SIGKILL, signal.SIGSTOP], signal.SIGSTOP))
 def test_the_loss_of_the_scheduler_ends_the_wait(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], number: signal.Signals
 ) -> None:

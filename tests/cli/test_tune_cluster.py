@@ -5,8 +5,8 @@ import signal
 from pathlib import Path
 
 import pytest
-from cluster_support import cluster
-from support import Command
+from cluster_support import Cluster
+from support import PATIENCE_S, Command
 from turntable_sessions import write_turntables
 
 from gyrodrift.cli import main
@@ -15,27 +15,28 @@ distributed = pytest.importorskip(
     "distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'"
 )
 
+pytestmark = pytest.mark.xdist_group("cluster")
+
 
 def without_command(path: Path) -> list[str]:
     """A config but for the line that says how it was asked for."""
     return [line for line in path.read_text().splitlines() if not line.startswith(("  command:", "    "))]
 
 
-def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_path: Path) -> None:
-    sessions = tmp_path / "sessions"
-    write_turntables(sessions, 8)
-    arguments = ["tune", str(sessions), "--filter", "hdr", "--iterations", "600", "--seed", "1"]
-    with cluster(tmp_path, 2) as running:
-        shared = tmp_path / "shared.yaml"
-        with (
-            Command(*arguments, "--out", shared, "--cluster", running.address) as tune,
-            distributed.Client(running.address, set_as_default=False) as client,
-        ):
-            tune.until(lambda _: any(client.has_what().values()), "session on a worker")
-            os.kill(client.run(os.getpid).popitem()[1], signal.SIGKILL)
-            assert tune.end() == 0, tune.log
+def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_path: Path, shared: Cluster) -> None:
+    sessions, out = tmp_path / "sessions", tmp_path / "shared.yaml"
+    write_turntables(sessions, 4)
+    arguments = ["tune", str(sessions), "--filter", "hdr", "--iterations", "200", "--seed", "1"]
+    with (
+        Command(*arguments, "--out", out, "--cluster", shared.address) as tune,
+        distributed.Client(shared.address, set_as_default=False) as client,
+    ):
+        tune.until(lambda _: any(client.has_what().values()), "session on a worker")
+        os.kill(client.run(os.getpid).popitem()[1], signal.SIGKILL)
+        assert tune.end() == 0, tune.log
+        client.wait_for_workers(2, timeout=PATIENCE_S)
     assert main([*arguments, "--out", str(tmp_path / "here.yaml")]) == 0
-    assert without_command(shared) == without_command(tmp_path / "here.yaml")
+    assert without_command(out) == without_command(tmp_path / "here.yaml")
 
 
 def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,7 +74,7 @@ def test_coarser_steps_may_be_an_effect() -> None:
     assert compared_of([observed()], [rests])[0].all()
 
 
-@pytest.mark.long
+@pytest.mark.evaluation
 def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_path: Path) -> None:
     rigs = {
         "before": Rig(base=BASE),
