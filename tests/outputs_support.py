@@ -8,11 +8,12 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from math import atan2, cos, radians, sin
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import structlog
 from support import PATIENCE_S, Command, never, speaking_on
@@ -183,7 +184,12 @@ class HubThread:
         self._service.send(wire.pack_json(wire.STATUS, asdict(status)))
 
     def statuses(self) -> list[OutputStatus]:
-        """The next that is heard of the outputs."""
+        """The next that is heard of the outputs; what was said before is old."""
+        self._service.setblocking(False)
+        with suppress(BlockingIOError):
+            while self._service.recv(wire.LONGEST_BYTES):
+                pass
+        self._service.settimeout(PATIENCE_S)
         return [output_status(load) for load in json.loads(self._service.recv(wire.LONGEST_BYTES))]
 
     def opened(self, count: int = 1) -> list[OutputStatus]:
@@ -196,9 +202,19 @@ class HubThread:
             assert time.monotonic() < until_s, statuses
 
 
+QUICK_REPORT_S = 0.02
+"""Between reports of a hub, so that no test waits for one."""
+
+
 @contextmanager
 def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
     """Until the end of the block; these outputs are open at its begin."""
+    with patch("gyrodrift.outputs.hub.REPORT_S", QUICK_REPORT_S), _hub(*specs) as outputs:
+        yield outputs
+
+
+@contextmanager
+def _hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     loop = threading.Thread(target=lambda: asyncio.run(Hub(theirs, structlog.get_logger()).run()))
     loop.start()

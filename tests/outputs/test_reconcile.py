@@ -73,7 +73,6 @@ def test_after_a_thousand_random_reloads_exactly_the_last_config_is_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """After a thousand random reloads, exactly the outputs of the last config are open."""
-    monkeypatch.setattr("gyrodrift.outputs.hub.REPORT_S", 0.02)
     random, ports, rest = Random(SEED), [free_port() for _ in range(6)], listened_on()
     with hub() as outputs, ExitStack() as clients:
         first = [output_of(f"{kind}:port={port}") for kind, port in zip(KINDS, ports, strict=False)]
