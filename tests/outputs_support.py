@@ -202,14 +202,16 @@ class HubThread:
             assert time.monotonic() < until_s, statuses
 
 
-QUICK_REPORT_S = 0.02
-"""Between reports of a hub, so that no test waits for one."""
+QUICK_REPORT_S, QUICK_RETRY_S = 0.02, 0.1
+"""Between reports of a hub and before its first retry, so that tests wait for neither."""
 
 
 @contextmanager
 def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
     """Until the end of the block; these outputs are open at its begin."""
-    with patch("gyrodrift.outputs.hub.REPORT_S", QUICK_REPORT_S), _hub(*specs) as outputs:
+    quick_report = patch("gyrodrift.outputs.hub.REPORT_S", QUICK_REPORT_S)
+    quick_retry = patch("gyrodrift.outputs.running.RETRY_FIRST_S", QUICK_RETRY_S)
+    with quick_report, quick_retry, _hub(*specs) as outputs:
         yield outputs
 
 

@@ -20,7 +20,7 @@ Rosbridge = tuple[HubThread, ClientConnection]
 def bridged(options: str = "") -> Iterator[Rosbridge]:
     with (
         hub(f"rosbridge:port=0{options}") as outputs,
-        connect(f"ws://{outputs.address}", compression=None) as client,
+        connect(f"ws://{outputs.address}", compression=None, close_timeout=0.1) as client,
     ):
         yield outputs, client
 

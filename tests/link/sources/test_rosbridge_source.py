@@ -65,7 +65,7 @@ class Bridge:
     def __init__(self, port: int, tls: ssl.SSLContext | None = None) -> None:
         self.requests: list[dict[str, Any]] = []
         self._clients: list[ServerConnection] = []
-        self._server = serve(self._hold, "127.0.0.1", port, ssl=tls)
+        self._server = serve(self._hold, "127.0.0.1", port, ssl=tls, close_timeout=0.1)
         self.port = self._server.socket.getsockname()[1]
         self._thread = threading.Thread(target=self._server.serve_forever)
         self._thread.start()
