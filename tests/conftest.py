@@ -23,7 +23,7 @@ from worker_groups import GroupScheduling
 if TYPE_CHECKING:
     from cluster_support import Cluster
 
-settings.register_profile("untimed", deadline=None, max_examples=40)  # the machine's business; make fuzz tries more
+settings.register_profile("untimed", deadline=None, max_examples=25)  # the machine's business; make fuzz tries more
 settings.load_profile("untimed")
 
 ENDS_WITHIN_S = 60.0

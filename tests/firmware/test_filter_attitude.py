@@ -15,7 +15,7 @@ from c_filter_support import CFilter, CFilters, FilterOutput, words, write_heade
 from c_restlevel_support import GAP, RESTARTED
 from firmware_support import run
 from hand_motion import hand_motion
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from six_axis_motions import MOTIONS
 from six_axis_support import record
@@ -238,7 +238,6 @@ moves = st.lists(
 
 
 @given(moves=moves)
-@settings(max_examples=15)
 def test_any_samples_are_accepted_as_in_python_and_stay_finite(c_filters: CFilters, moves: list[Any]) -> None:
     """Float and double refuse the samples that Python refuses."""
     rows = [(step, *gyro, *accel, still, nan) for step, gyro, accel, still, count in moves for _ in range(count)]

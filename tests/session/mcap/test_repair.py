@@ -12,7 +12,7 @@ from typing import IO
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.stream_reader import StreamReader
@@ -32,8 +32,6 @@ from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
 METADATA = {"device": {"device_id": "bench"}}
-
-patient = settings(deadline=None)  # a disk takes the time it takes
 
 
 STRIDE = 4
@@ -213,7 +211,6 @@ def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:
 records = st.lists(st.sampled_from(["sample", "read", "event", "metadata", "flush"]), max_size=60)
 
 
-@patient
 @given(records, st.floats(0.0, 1.0))
 def test_whatever_was_recorded_and_wherever_it_was_cut(
     tmp_path_factory: pytest.TempPathFactory, kinds: list[str], share: float
@@ -390,7 +387,6 @@ def record_end(content: bytes) -> int:
     return position + 9 + int.from_bytes(content[position + 1 : position + 9], "little")
 
 
-@patient
 @given(st.floats(0.0, 1.0), st.integers(1, 5000))
 def test_zeros_behind_any_cut_make_nothing_up(
     tmp_path_factory: pytest.TempPathFactory, share: float, zeros: int
@@ -457,7 +453,6 @@ def test_a_message_too_short_to_be_one_is_told(tmp_path: Path) -> None:
     assert path.read_bytes() == content
 
 
-@patient
 @given(st.lists(st.tuples(st.integers(8, len(written()) - 1), st.integers(0, 255)), min_size=1, max_size=5))
 def test_whatever_is_damaged_in_a_file_it_is_mended_or_told(
     tmp_path_factory: pytest.TempPathFactory, damage: list[tuple[int, int]]
