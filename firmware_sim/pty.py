@@ -206,7 +206,7 @@ class PtyDevice:
                 )  # an incomplete frame before it counts as damaged
 
     def _reader_is_done(self) -> bool:
-        """Whether nothing waits for the reader. A poll also sees bytes that the kernel has not yet handed to the port."""
+        """Whether nothing waits for the reader; a poll also sees bytes on their way to the port."""
         try:
             fd = os.open(self.slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         except OSError:
