@@ -129,7 +129,7 @@ def diagnosis_kernels(request: pytest.FixtureRequest) -> None:
         built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator["Cluster"]:
     """A cluster of two workers, for tests of the group "cluster" that leave its scheduler alive."""
     with import_module("cluster_support").cluster(tmp_path_factory.mktemp("cluster"), 2) as running:

@@ -117,6 +117,7 @@ def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sess
         assert pids(cost).get(address) != pid
 
 
+@pytest.mark.evaluation
 def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
     shared: Cluster, sessions: Sessions, local: Cost
 ) -> None:

@@ -9,12 +9,12 @@ from c_filter_support import WARNINGS, words, write_header
 from firmware_support import HERE, run
 from support import quick
 
-SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", "-g")
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O0", "-g")
 
 C, CPP = "-std=c11", "-x c++ -std=c++11"
 
-RUNS = 100
-"""Runs of the fuzz program in a test, a second."""
+RUNS = 200
+"""Runs of the fuzz program in a test."""
 
 CHECKS = ",".join(
     [
