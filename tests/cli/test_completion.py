@@ -38,8 +38,7 @@ ZSH = (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrod
 
 
 @pytest.mark.parametrize(
-    ("shell", "start", "lines"),
-    quick([(*BASH, LINES), (*BASH, SOME), (*ZSH, SOME)], (*BASH, SOME), (*ZSH, SOME)),
+    ("shell", "start", "lines"), quick([(*BASH, LINES), (*BASH, SOME), (*ZSH, SOME)], (*BASH, SOME), (*ZSH, SOME))
 )
 def test_the_tabulator_key_goes_on_with_a_line(
     shell: list[str], start: str, lines: Sequence[tuple[str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -460,12 +460,7 @@ def test_sessions_that_cannot_be_used_are_told_by_name(
     ],
 )
 def test_mistakes_are_one_line(
-    eight: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    arguments: list[str],
-    status: int,
-    message: str,
+    eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], status: int, message: str
 ) -> None:
     (tmp_path / "empty").mkdir()
     places = {"empty": tmp_path / "empty", "out": tmp_path / "c.yaml", "eight": eight}

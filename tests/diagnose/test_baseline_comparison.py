@@ -34,10 +34,7 @@ def test_the_same_device_is_compared_in_everything() -> None:
 
 @pytest.mark.parametrize(
     ("peer", "words"),
-    [
-        (observed(200.0), ["100", "200", "samples a second"]),
-        (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),
-    ],
+    [(observed(200.0), ["100", "200", "samples a second"]), (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"])],
     ids=["rate", "step"],
 )
 def test_of_another_rate_or_step_what_is_slow_is_compared(peer: Recording, words: list[str]) -> None:

@@ -154,10 +154,7 @@ REPORT: dict[str, tuple[Lines, str]] = {
         "node=B, gz=rate:dps",
     ),
     "percent of a full scale": (lambda _t, dps, _a, n: f"gz: {0.4 * dps + n(0.04):.2f}", "gz=rate:lsb/0.4"),
-    "an angle that drifts": (
-        lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}",
-        "yaw:deg",
-    ),
+    "an angle that drifts": (lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}", "yaw:deg"),
 }
 
 

@@ -17,8 +17,7 @@ DESTROYED = {
 @pytest.mark.promise("Samples")
 @pytest.mark.promise("Samples", "no wrong sample passes the CRC, except by chance: 1 in 65 536 damaged frames")
 @pytest.mark.promise(
-    "Samples",
-    "under faults, yaw stays within 1 degree of the run without them, except for turns while no sample came",
+    "Samples", "under faults, yaw stays within 1 degree of the run without them, except for turns while no sample came"
 )
 @pytest.mark.promise("Recovery", "after damage, resets and outages, samples continue within 1 s of device time")
 @pytest.mark.parametrize("name", STRENGTHS)

@@ -328,11 +328,7 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path, tmp_path: Pa
         (["--port", "{port}", "--rate", "0"], 2, "gyrodrift: --rate 0: expected a number above 0"),
         (["--port", "{port}", "--timeout", "0.3"], 3, "gyrodrift: {port}: the device sent nothing within 0.3 s"),
         (["--port", "{port}", "--config", "nowhere.yaml"], 2, "gyrodrift: nowhere.yaml:1:1 cannot be read"),
-        (
-            ["--port", "{port}", "--config", "c.yaml", "--filter", "hdr"],
-            2,
-            "gyrodrift: serve: argument --filter:",
-        ),
+        (["--port", "{port}", "--config", "c.yaml", "--filter", "hdr"], 2, "gyrodrift: serve: argument --filter:"),
         (["--port"], 2, "gyrodrift: serve: argument --port: expected one argument"),
         ([], 2, "gyrodrift: serve: the following arguments are required: --port"),
     ],

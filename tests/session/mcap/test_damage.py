@@ -137,8 +137,7 @@ def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole:
 
 
 @pytest.mark.promise(
-    "Crashes",
-    "records in another place are read in their order, and a sample of another recording is not read",
+    "Crashes", "records in another place are read in their order, and a sample of another recording is not read"
 )
 def test_samples_of_another_recording_are_none_of_this_one(tmp_path: Path, whole: Session) -> None:
     stranger = recording(device_id="shelf")
