@@ -32,9 +32,6 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-REMAINING = rb"left\D+\d:\d\d:\d\d"
-"""Hours, minutes and seconds, in colours."""
-
 QUICK = {
     "simulate": (["--out", "{out}/new", "--minutes", "1"], "samples"),
     "filter": (["{one}", "--out", "{out}/yaw.csv"], "samples"),
