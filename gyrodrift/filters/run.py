@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from gyrodrift.filters.aids import Aids
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.gaps import UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
+from gyrodrift.values.aid import Aid, AidStatus
 from gyrodrift.values.mount import LEVEL, Mount
 from gyrodrift.values.quaternion import with_heading
 from gyrodrift.values.sample import Attitude, Inertial
@@ -62,6 +64,7 @@ class FilterRun:
     watch: GapWatch = field(init=False, default_factory=GapWatch)
     _axes_t_s: float = -inf
     _t_s: float = nan
+    _aids: Aids | None = None
 
     def __post_init__(self) -> None:
         self.state = self.filter.state()
@@ -94,6 +97,17 @@ class FilterRun:
         if self.state.samples > 0:
             told_s = UNKNOWN_S if seconds is None else seconds
             expect_gap(self._gap_watch, told_s, has_restarted=has_restarted)
+
+    def aid(self, aid: Aid) -> None:
+        """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
+        if self._aids is None:
+            self._aids = Aids()
+        self._aids.take(aid, self.state.t_s)
+
+    @property
+    def aids(self) -> dict[str, AidStatus]:
+        """How each second source agrees with the filter, by its name."""
+        return {} if self._aids is None else self._aids.status
 
     @property
     def gaps(self) -> int:

@@ -221,7 +221,7 @@ PACE_S, LEAST_PACE, SAME_PACE = 3.0, 1.6, 0.05
 """Time over which a pace is measured, s, least factor by which it is wrong, and largest difference of two of them."""
 
 PACE_PAUSE_S = 0.5
-"""A pause of the lines after which the pace is measured anew, s: what the clock did meanwhile is unknown."""
+"""A pause of the lines after which a pace is measured again, s: what the clock did meanwhile is unknown."""
 
 FASTEST_REPLAY = 10.0
 """A clock that is faster than this is that of a replay as fast as it can."""
