@@ -80,6 +80,10 @@ def with_own_yaw(plain: Corrected, own: DeviceYaw = OWN_YAW) -> Corrected:
     return plain._replace(sample=plain.sample._replace(device_yaw=own), device_difference_deg=-0.25)
 
 
+WITHOUT_BIAS = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
+"""Config of a filter that takes no constant rate for a bias, however long the rate lasts."""
+
+
 def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:
     return b"".join(b"%d,%.3f,1.5,25.0\n" % (i * 10_000, rate_dps) for i in range(first, first + count))
 

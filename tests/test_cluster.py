@@ -146,7 +146,10 @@ def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_p
     assert without_command(out) == without_command(tmp_path / "here.yaml")
 
 
-def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_cluster_that_is_not_there_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
     sessions = tmp_path / "sessions"
     write_turntables(sessions, 2)
     request = ["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), "--cluster", "tcp://127.0.0.1:9"]

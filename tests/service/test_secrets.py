@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import Reader, address_of, csv_at_100_hz, path_of, serving
+from outputs_support import WITHOUT_BIAS, Reader, address_of, csv_at_100_hz, path_of, serving
 from support import Command, never
 
 from gyrodrift.cli import main
@@ -20,14 +20,12 @@ from gyrodrift.values.errors import GyrodriftError
 from gyrodrift.values.sample import Sample
 
 MARKER = "Marker7"
-HDR = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
 
 
 def config_text(password: str = f"password: {MARKER}") -> str:
     """A config with a broker, a page and lines, and the password in a comment too."""
-    return (
-        f"{HDR}# {MARKER}\noutputs:\n  - {{name: mqtt, port: 1, user: ann, {password}}}\n  - {{name: tcp, port: 0}}\n"
-    )
+    outputs = f"outputs:\n  - {{name: mqtt, port: 1, user: ann, {password}}}\n  - {{name: tcp, port: 0}}\n"
+    return f"{WITHOUT_BIAS}# {MARKER}\n{outputs}"
 
 
 MISTAKES = (
