@@ -176,7 +176,8 @@ def _run_to_the_end(module: str) -> None:
     threading._shutdown()  # type: ignore[attr-defined]  # what an interpreter does at its end, in its order
     atexit._run_exitfuncs()
     try:
-        sys.stdout.flush()
+        if not sys.stdout.closed:
+            sys.stdout.flush()
     except OSError:
         status = 120  # as an interpreter
     os._exit(status)

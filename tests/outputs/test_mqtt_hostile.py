@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 
 import pytest
 from outputs_support import HubThread, corrected, hub
-from support import PATIENCE_S
+from support import PATIENCE_S, awaited
 
 pytest.importorskip("aiomqtt", reason="the extra mqtt is not installed")
 
@@ -132,7 +132,5 @@ def test_a_broker_that_is_hostile_from_the_first_byte_is_left(monkeypatch: pytes
     monkeypatch.setattr("gyrodrift.outputs.mqtt.ANSWER_S", 1.0)
     with broker(b"\x20" + LONGEST + b"x" * 65536, is_polite=False) as hostile, hub() as outputs:
         outputs.want(f"mqtt:port={hostile.port},id=bench")
-        until_s = time.monotonic() + PATIENCE_S
-        while "a packet of 2" not in (result := problem_of(outputs)):
-            assert time.monotonic() < until_s, result
+        awaited(lambda: problem_of(outputs), lambda problem: "a packet of 2" in problem)
         assert hostile.sent_bytes < MOST_BYTES

@@ -15,6 +15,7 @@ import pytest
 from broker_support import certificate, needs_openssl
 from outputs_support import AXES, corrected, hub, tilted
 from sources_support import PATIENCE_S, Events, Host, read_until, serving
+from support import awaited
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -81,10 +82,7 @@ class Bridge:
 
     def send(self, message: str | list[str]) -> None:
         """To the newest client; a list is a message in fragments."""
-        until_s = time.monotonic() + PATIENCE_S
-        while not self._clients:
-            assert time.monotonic() < until_s
-            time.sleep(0.005)
+        awaited(lambda: self._clients)
         self._clients[-1].send(message)
 
     def close(self) -> None:
