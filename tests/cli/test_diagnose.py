@@ -21,7 +21,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.usefixtures("diagnosis_kernels"), pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.xdist_group("diagnosis"), pytest.mark.usefixtures("diagnosis_kernels")]
 
 MINUTES = 2.0
 
