@@ -13,7 +13,7 @@ _PUBLIC = {
     "AttitudeEstimates": "attitude",
     "Estimate": "filters",
     "Estimates": "filters",
-    "load_session": "sessions",
+    "load_session": "analyses",
     "open_link": "device",
     "simulate": "results",
     "save": "results",

@@ -2,7 +2,7 @@
 
 import ctypes
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,6 +31,8 @@ class FilterOutput(NamedTuple):
     is_valid: bool
     taken: NDArray[np.bool_]
     rows: Floats
+    is_done: NDArray[np.bool_] | None = None
+    """After which samples no work was left, where it was done in portions."""
 
 
 class CFilter:
@@ -41,7 +43,7 @@ class CFilter:
         for name in ("state_bytes", "inputs", "outputs"):
             getattr(self._library, name).restype = ctypes.c_size_t
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._library.drive.argtypes = [pointer, size, pointer, ctypes.c_int, pointer, size, pointer, pointer]
+        self._library.drive.argtypes = [pointer, size, pointer, ctypes.c_int, pointer, size, pointer, pointer, pointer]
 
     @property
     def state_bytes(self) -> int:
@@ -56,8 +58,12 @@ class CFilter:
         *,
         is_us: bool = False,
         saved_after: int = NEVER_SAVED,
+        portions: NDArray[np.uint8] | None = None,
     ) -> FilterOutput:
-        """Run over samples: times in s, or in µs of the 32-bit clock; inputs of shape (samples, n)."""
+        """Run over samples: times in s, or in µs of the 32-bit clock; inputs of shape (samples, n).
+
+        `portions` are the numbers of portions of work after each sample.
+        """
         times = np.ascontiguousarray(t, dtype=np.float64)
         given = np.ascontiguousarray(inputs, dtype=np.float64)
         assert given.size == len(times) * self._library.inputs()
@@ -71,10 +77,11 @@ class CFilter:
             int(is_us),
             given.ctypes.data,
             saved_after,
+            None if portions is None else portions.ctypes.data,
             rows.ctypes.data,
             taken.ctypes.data,
         )
-        return FilterOutput(bool(is_valid), taken.astype(bool), rows)
+        return FilterOutput(bool(is_valid), taken % 2 == 1, rows, None if portions is None else taken < 2)
 
 
 class CFilters:
@@ -93,6 +100,31 @@ class CFilters:
                 built_once("".join(key), lambda folder: compile_library(folder, *key)) / LIBRARY
             )
         return self._loaded[key]
+
+
+INTERLEAVINGS: dict[str, Callable[[np.random.Generator, int], NDArray[np.int64]]] = {
+    "all at once": lambda _, count: np.full(count, 255),
+    "one after each sample": lambda _, count: np.ones(count, dtype=np.int64),
+    "now and then": lambda rng, count: rng.integers(0, 12, count) * (rng.random(count) < 0.3),
+    "for a while": lambda _, count: np.where(np.arange(count) % 5000 < 2500, 3, 0),
+}
+"""Numbers of portions of work after each sample."""
+
+
+def assert_portions_change_nothing(
+    library: CFilter, t_s: Floats, inputs: Floats, interleaving: str, correction: int
+) -> None:
+    """All outputs are the same bits whenever no work is left.
+
+    The correction in the last sample, in this column, comes when the work is done.
+    """
+    portions = INTERLEAVINGS[interleaving](np.random.default_rng(3), len(t_s)).astype(np.uint8)
+    usual, divided = library.run(t_s, inputs), library.run(t_s, inputs, portions=portions)
+    assert divided.is_done is not None
+    assert divided.is_done.mean() > 0.01
+    assert (divided.taken == usual.taken).all()
+    done, expected = (np.delete(output.rows[divided.is_done], correction, axis=1) for output in (divided, usual))
+    assert np.array_equal(done, expected, equal_nan=True)
 
 
 def compile_library(folder: Path, source: str, real: str, *flags: str) -> None:

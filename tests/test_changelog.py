@@ -8,7 +8,7 @@ import gyrodrift
 
 LINES = (Path(__file__).parent.parent / "docs" / "CHANGELOG.md").read_text().splitlines()
 RELEASE = re.compile(r"## (\d+\.\d+\.\d+) — (\d{4}-\d{2}-\d{2})")
-KINDS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security", "Changed since the first commit"}
+KINDS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
 
 
 def headings(marks: str) -> list[str]:

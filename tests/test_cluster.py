@@ -16,8 +16,8 @@ from support import PATIENCE_S, Command, free_port, quick
 from turntable_sessions import write_turntables
 
 from gyrodrift.cli import main
-from gyrodrift.io import cluster as cluster_module
-from gyrodrift.io.cluster import ClusterWorkers
+from gyrodrift.io import parallel as cluster_module
+from gyrodrift.io.parallel import ClusterWorkers
 from gyrodrift.session.files import load_session
 from gyrodrift.values.errors import DataError, GyrodriftError, UsageError
 

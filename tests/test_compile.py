@@ -10,8 +10,8 @@ import numpy as np
 import gyrodrift.diagnose.features.design_matrix, gyrodrift.diagnose.recording.kalman
 import gyrodrift.diagnose.recording.motion
 import gyrodrift.evaluation.kernels.hdr, gyrodrift.evaluation.kernels.restlevel
-import gyrodrift.compare.methods.kalman
-from gyrodrift.compare.methods.sign import _corrected
+import gyrodrift.compare.methods.plain
+from gyrodrift.compare.methods.plain import _corrected
 print(len(_corrected(np.ones(3), 0.1, 1.0)))
 """
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.evaluation.curves import YawCurves
-from gyrodrift.evaluation.dataset import SessionSummary, Split
+from gyrodrift.evaluation.dataset import SessionSummary, Split, YawCurves
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.filter import Filter

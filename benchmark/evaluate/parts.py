@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from evaluate import (
+    aids_part,
+    constants_part,
     diagnose_part,
     everyday_part,
     gyrogap_part,
@@ -51,5 +53,9 @@ PARTS = {
         planted_part.measure,
     ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),
+    "aids": Part("restlevel beside a second source, rides of each kind", 59, 6, aids_part.measure),
+    "constants": Part(
+        "constants of restlevel at other values, everyday sessions of each", 5, 1, constants_part.measure
+    ),
     "hard-cases": Part("restlevel on the hard cases, seeds of each", 101, 5, hard_cases_part.measure),
 }

@@ -14,8 +14,8 @@ from gyrodrift.outputs.gpsd import requests
 from gyrodrift.outputs.line_output import JsonSession
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.net.websocket import WebSocketClient
-from gyrodrift.outputs.networktables_session import TableSession
-from gyrodrift.outputs.rosbridge_session import RosbridgeSession, RosServices
+from gyrodrift.outputs.networktables_server import TableSession
+from gyrodrift.outputs.rosbridge import RosbridgeSession, RosServices
 
 LONGEST_ANSWER = 200_000
 """A message of 64 kB may be repeated in an answer, each of its characters as `\\u0000`, but not more than once."""

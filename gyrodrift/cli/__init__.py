@@ -11,7 +11,7 @@ from textwrap import indent
 from types import ModuleType
 
 from gyrodrift.cli.parser import Parser
-from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
+from gyrodrift.cli.process import accept_all_characters, open_standard_streams
 from gyrodrift.io.deprecation import told_deprecations
 from gyrodrift.io.plug_ins import failure_in_plug_in
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
@@ -136,7 +136,7 @@ def _forget_stdout() -> None:
 
 def _run(name: str, arguments: list[str]) -> int:
     if any(map(mentions_secret, arguments)):
-        from gyrodrift.io.process_list import hide_secrets
+        from gyrodrift.cli.process import hide_secrets
 
         hide_secrets()
     try:

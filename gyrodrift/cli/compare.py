@@ -19,7 +19,7 @@ from gyrodrift.cli.plug_ins import tell_problems
 from gyrodrift.cli.written import tell_page
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages
-from gyrodrift.report.files import write_json
+from gyrodrift.report.numbers import write_json
 from gyrodrift.report.provenance import Provenance, date_now, set_name
 from gyrodrift.values.errors import visible
 

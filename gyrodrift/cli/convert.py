@@ -16,20 +16,18 @@ from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.io.files import check_kept
 from gyrodrift.io.progress import OnProgress, counted
-from gyrodrift.session.checks.odd_readings import reading_findings
+from gyrodrift.session.checks.examine import reading_findings
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.files import write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
-from gyrodrift.session.left_out import left_out, listed
+from gyrodrift.session.foreign.reference import with_reference
+from gyrodrift.session.left_out import left_out
 from gyrodrift.session.logs.bag import read_bag
 from gyrodrift.session.session import Session
-from gyrodrift.session.tables.write import session_table, write_rows, written_ending
-from gyrodrift.session.topics.reference import with_reference
+from gyrodrift.session.tables.write import PIECE, session_table, write_rows, written_ending
 from gyrodrift.values.errors import UsageError, visible
-
-PIECE = 50_000
-"""Samples per write."""
+from gyrodrift.values.words import listed
 
 BAGS = (".bag", ".db3")
 FORMS = ("sample", "imu", "json")

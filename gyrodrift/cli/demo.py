@@ -21,13 +21,7 @@ gyrodrift demo --svg demo.svg
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument(
-        "--duration",
-        type=numbers.duration,
-        default=60.0,
-        metavar="TIME",
-        help="end after TIME, such as 60 (s) or 2min (default 60)",
-    )
+    options.add_duration_option(parser, 60.0, "end after TIME, such as 60 (s) or 2min (default 60)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="config of serve (default: the shipped one)")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig of the simulator (default: the shipped one)")
     parser.add_argument(

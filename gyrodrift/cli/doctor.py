@@ -34,8 +34,7 @@ from gyrodrift.doctor.body import compare
 from gyrodrift.doctor.checks.registry import examine
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, as_json, worst
-from gyrodrift.doctor.listen import listen
-from gyrodrift.doctor.recorded import recorded
+from gyrodrift.doctor.listen import listen, recorded
 from gyrodrift.doctor.report import report
 from gyrodrift.doctor.sensors import SENSORS, Sensor, sensor_named
 from gyrodrift.doctor.show import Detail, show
@@ -56,7 +55,6 @@ gyrodrift doctor --port /dev/ttyUSB0 --sensor mpu6050
 gyrodrift doctor session.mcap --json
 gyrodrift doctor --port /dev/ttyUSB0 --turn
 """
-
 
 COMMON = (
     "--port",
@@ -80,18 +78,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "sessions", type=Path, nargs="*", metavar="SESSION", help="recording to check instead of a port"
     )
     options.add_link_options(parser, default_port=options.AUTO_PORT)
-    length = parser.add_mutually_exclusive_group()
-    length.add_argument(
-        "--duration",
-        dest="seconds",
-        type=numbers.duration,
-        default=30.0,
-        metavar="TIME",
-        help="listen for TIME, such as 30 (s) or 10min; noise needs 30 s (default 30)",
-    )
-    length.add_argument(
-        "--seconds", type=numbers.duration, default=30.0, metavar="S", help="the same in seconds (default: --duration)"
-    )
+    listen = "listen for TIME, such as 30 (s) or 10min; noise needs 30 s (default 30)"
+    options.add_duration_option(parser, 30.0, listen, older="seconds")
     parser.add_argument(
         "--sensor", metavar="NAME", help="compare with the data sheet of this sensor (default: the name it sends)"
     )

@@ -21,8 +21,7 @@ from gyrodrift.cli.written import samples_text, tell_page, tell_written
 from gyrodrift.config.model import Config, load_config
 from gyrodrift.describe.listing import listing
 from gyrodrift.describe.overview import row_of
-from gyrodrift.describe.possible import impossible_values, possible_part
-from gyrodrift.describe.text import Group, groups_of, lines_of
+from gyrodrift.describe.text import Group, groups_of, impossible_values, lines_of, possible_part
 from gyrodrift.describe.yaw import YawHistory, yaw_history_of
 from gyrodrift.evaluation.dataset import digest_of
 from gyrodrift.facts.session_facts import SessionFacts
@@ -40,6 +39,7 @@ from gyrodrift.session.files import session_paths
 from gyrodrift.session.mcap.raw import RawSize, raw_size
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError, UsageError, visible
+from gyrodrift.values.words import counted
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -264,7 +264,7 @@ class _Drawing:
             page = self._arguments.out / "report.html"
             write_whole(page, [self._page.html(_provenance(self._arguments, self._config, paths))])
             written.append(page)
-        contents = f"{self._count} session{'s' * (self._count != 1)}, {samples_text(self._samples)}"
+        contents = f"{counted(self._count, 'session')}, {samples_text(self._samples)}"
         for path in written:
             tell_written(path, contents, is_quiet=self._arguments.quiet)
         if self._page is not None and self._count:

@@ -254,6 +254,17 @@ def add_still_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_duration_option(parser: argparse.ArgumentParser, default: float | None, about: str, *, older: str = "") -> None:
+    """Option of commands that end after a time; `older`, `seconds` or `minutes`, is an option for the same number."""
+    group = parser.add_mutually_exclusive_group() if older else parser
+    read = numbers.minutes if older == "minutes" else numbers.duration
+    group.add_argument("--duration", dest=older or "duration", type=read, default=default, metavar="TIME", help=about)
+    if older:
+        plain = numbers.number(1e6) if older == "minutes" else numbers.duration
+        letter, same = older[0].upper(), f"the same in {older} (default: --duration)"
+        group.add_argument(f"--{older}", type=plain, default=default, metavar=letter, help=same)
+
+
 def add_jobs_option(parser: argparse.ArgumentParser) -> None:
     """Option of commands that use several processors."""
     parser.add_argument(

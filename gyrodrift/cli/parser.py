@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 from gyrodrift.io.deprecation import DEPRECATED, successor_of
 from gyrodrift.io.plug_ins import PlugIns
 from gyrodrift.values.errors import UsageError, shortened
-from gyrodrift.values.nearest import nearest, suggestion
+from gyrodrift.values.words import nearest, suggestion
 
 COLUMN_OPTIONS = frozenset({"--rate-unit", "--time-unit", "--sample-rate", "--accel-unit", "--flip", "--reference"})
 """Options besides --columns that `gyrodrift help columns` explains."""

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import configs, numbers, options
-from gyrodrift.io.unwaiting import send_within
+from gyrodrift.io.waiting import send_within
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
@@ -41,12 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
-    parser.add_argument(
-        "--duration",
-        type=numbers.duration,
-        metavar="TIME",
-        help="stop after TIME of the device clock, such as 90 (s), 30min or 1h (default: at Ctrl-C)",
-    )
+    stop = "stop after TIME of the device clock, such as 90 (s), 30min or 1h (default: at Ctrl-C)"
+    options.add_duration_option(parser, None, stop)
     options.add_filter_options(
         parser,
         "YAML with a filter and its parameters, for the yaw on the terminal; the file keeps its calibration",

@@ -6,13 +6,13 @@ yaw_sigma_deg and confidence; encoder_deg and temp_c are there when the device s
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import numbers, options
+from gyrodrift.io.terminal import is_screen
 
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
@@ -132,7 +132,7 @@ def _watch(path: Path | None) -> "ConfigWatch | None":
 
 def _has_person(arguments: argparse.Namespace) -> bool:
     """Whether a person reads stdout, and not a program."""
-    return sys.stdout.isatty() and not arguments.json and os.environ.get("TERM") != "dumb"
+    return is_screen(sys.stdout) and not arguments.json
 
 
 def _outputs(texts: list[str]) -> "list[OutputSpec]":

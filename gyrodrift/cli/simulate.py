@@ -24,8 +24,7 @@ from gyrodrift.io.files import check_inputs_kept, check_kept
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_count, hard_case_paths, write_hard_cases
 from gyrodrift.simulation.published_set import read_rows, twin_paths, write_twins
-from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, write_sessions
-from gyrodrift.simulation.truth import truth_path
+from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, truth_path, write_sessions
 from gyrodrift.values.errors import UsageError, visible
 
 STAGE = "sessions"
@@ -51,22 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sessions", type=numbers.whole(10**6), metavar="N", help="number of sessions (default 1; 10 per hard case)"
     )
-    length = parser.add_mutually_exclusive_group()
-    length.add_argument(
-        "--duration",
-        dest="minutes",
-        type=numbers.minutes,
-        default=10.0,
-        metavar="TIME",
-        help="length of a session, such as 90 (s), 8min or 1h (default 10min)",
-    )
-    length.add_argument(
-        "--minutes",
-        type=numbers.number(1e6),
-        default=10.0,
-        metavar="M",
-        help="the same in minutes (default: --duration)",
-    )
+    length = "length of a session, such as 90 (s), 8min or 1h (default 10min)"
+    options.add_duration_option(parser, 10.0, length, older="minutes")
     parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="seed of all randomness (default 0)")
     parser.add_argument(
         "--effect",

@@ -23,7 +23,7 @@ from gyrodrift.filters.registry import FILTERS
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
 from gyrodrift.io.files import UnreadableError, check_writable, read_ordinary, write_whole
 from gyrodrift.io.installation import need_packages
-from gyrodrift.report.files import write_json
+from gyrodrift.report.numbers import write_json
 from gyrodrift.report.provenance import Provenance, date_now, set_name
 from gyrodrift.values.errors import UsageError, visible
 
@@ -74,7 +74,6 @@ gyrodrift tune sessions --out my.yaml --report report
 gyrodrift tune sessions --out my.yaml --filter restlevel --test bench/monday.mcap
 gyrodrift tune sessions --out my.yaml --header my_gyro.h --seeds 3 --jobs 2 --range tau_s=0.01:2
 """
-
 
 COMMON = (
     "--out",

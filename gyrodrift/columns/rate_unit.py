@@ -27,9 +27,6 @@ SURE_ODDS = 100.0
 ODDS_MAX = 1e6
 """Largest reported odds: the model is not more accurate."""
 
-WINDOW = 50
-"""Samples per window, for noise and level."""
-
 WINDOWS_MIN = 5
 QUIET_SHARE, QUIET_WINDOWS = 0.2, 10
 """Share of the quietest windows that give the noise at rest, and their largest number: a turntable may rest once."""
@@ -218,7 +215,7 @@ class RateUnitOdds:
     _is_whole: bool = True
 
     def take(self, samples: Sequence[Sample]) -> None:
-        """Add WINDOW consecutive samples."""
+        """Add the samples of a window, which are consecutive."""
         if not all(isfinite(sample.rate_dps) for sample in samples):
             return
         rates = [sample.rate_dps / self.scale for sample in samples]

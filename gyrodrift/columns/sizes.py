@@ -21,6 +21,9 @@ SAMPLE_RATES_HZ = (1.0, 20_000.0)
 SAME_SENSITIVITY = 0.01
 """Largest relative difference of a sensitivity as users and data sheets round it."""
 
+WINDOW = 50
+"""Samples of a window, for noise and level of a rate."""
+
 
 def has_16_bits(scale: float) -> bool:
     """Whether counts of `scale` deg/s are those of a sensor with 16 bits, which has none above 2¹⁵.

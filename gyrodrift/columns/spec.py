@@ -7,7 +7,7 @@ from math import degrees
 
 from gyrodrift.values.constants import SECONDS_PER_MINUTE, STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import UsageError
-from gyrodrift.values.nearest import did_you_mean, nearest
+from gyrodrift.values.words import did_you_mean, nearest
 
 IGNORED, SELECTED = "_", "="
 """Meanings of columns that are no quantity: ignored, and with the value of the rows to use."""

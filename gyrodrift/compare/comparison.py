@@ -11,25 +11,24 @@ import numpy as np
 
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
-from gyrodrift.compare.tuning import tuned
-from gyrodrift.evaluation.curves import YawCurves, yaw_curves
+from gyrodrift.compare.tuning import TuningProvenance, read_provenance, tuned
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
     SessionSummary,
     Source,
+    YawCurves,
     digest_of,
     folder_names,
     load_with_reference,
     rates_differ,
+    yaw_curves,
 )
-from gyrodrift.evaluation.score import Score, mean_score, score_of
-from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
+from gyrodrift.evaluation.score import Score, Uncertainty, mean_score, mean_uncertainty, score_of, uncertainty_of
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
-from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 from gyrodrift.values.arrays import Floats
 
 COMPILED_SAMPLES = 100

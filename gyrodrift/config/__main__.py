@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 from gyrodrift import __version__
-from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config
+from gyrodrift.config.reading import load_in_time
 from gyrodrift.io.system import kill_with
 from gyrodrift.values.errors import ConfigError
 

@@ -6,8 +6,8 @@ from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen, Predicate
 from pydantic import BaseModel, ConfigDict
 from pydantic.fields import FieldInfo
 
-from gyrodrift.values.nearest import did_you_mean
 from gyrodrift.values.secret import LONGEST_SECRET, SecretText
+from gyrodrift.values.words import did_you_mean
 
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
 

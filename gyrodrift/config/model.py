@@ -25,7 +25,7 @@ from gyrodrift.values.calibration import Calibration
 from gyrodrift.values.errors import ConfigError
 from gyrodrift.values.mount import AXES as DIRECTIONS
 from gyrodrift.values.mount import LEVEL, Mount
-from gyrodrift.values.nearest import did_you_mean
+from gyrodrift.values.words import did_you_mean, listed
 
 
 def axes_in(value: Any, report: Callable[[Key, str], None]) -> Axes:
@@ -49,9 +49,7 @@ def mount_in(value: Any, report: Callable[[Key, str], None]) -> Mount:
         if name not in given:
             report((str(name),), unknown_key(str(name), list(given), "a key of mount"))
         elif direction not in DIRECTIONS:
-            report(
-                (name,), f"is {describe_value(direction)}; expected {', '.join(DIRECTIONS[:-1])} or {DIRECTIONS[-1]}"
-            )
+            report((name,), f"is {describe_value(direction)}; expected {listed(DIRECTIONS, 'or')}")
         else:
             given[name] = direction
     try:

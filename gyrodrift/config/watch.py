@@ -5,9 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config
-from gyrodrift.config.reading import ConfigReading
+from gyrodrift.config.reading import ConfigReading, load_in_time
 from gyrodrift.values.errors import ConfigError
 
 FileVersion = tuple[int, int, int]

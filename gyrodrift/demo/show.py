@@ -20,9 +20,9 @@ from rich._export_format import CONSOLE_SVG_FORMAT
 from rich.console import Console
 from rich.live import Live
 
-from gyrodrift.demo.view import PICTURE, Size, draw, summary
-from gyrodrift.demo.yaw_error import YawError
+from gyrodrift.demo.view import PICTURE, Size, YawError, draw, summary
 from gyrodrift.io.files import shipped_config, write_whole
+from gyrodrift.io.terminal import is_screen
 from gyrodrift.values.errors import LinkError
 
 FRAMES_PER_S = 10
@@ -58,7 +58,7 @@ def run_demo(
     LinkError
         If the simulator or `serve` ended too early.
     """
-    screen = Screen(duration_s) if _is_for_eyes() and not is_quiet else None
+    screen = Screen(duration_s) if is_screen(sys.stdout) and not is_quiet else None
     error = YawError()
     with tempfile.TemporaryDirectory(prefix="gyrodrift-demo-") as folder, ExitStack() as stack:
         log = stack.enter_context(_log(Path(folder))) if screen else None
@@ -123,10 +123,6 @@ def save_svg(path: Path, error: YawError, duration_s: float) -> None:
     )
     console.print(draw(error, duration_s, DEVICE, PICTURE))
     write_whole(path, [console.export_svg(title="make demo", code_format=SVG_WITHOUT_WEB_FONTS)])
-
-
-def _is_for_eyes() -> bool:
-    return sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def _size() -> Size:

@@ -1,16 +1,19 @@
-"""The live view of the demo: angles of the table, raw and corrected yaw, and a chart of both errors."""
+"""The live view of the demo: angles, raw and corrected yaw, and a chart of both errors against the encoder."""
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 from rich.console import Group, RenderableType
 from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from gyrodrift.demo.yaw_error import YawError
 from gyrodrift.io.text_chart import AxisRange, ChartLine, chart, legend, padded_range
 
+HISTORY = 4096
+
 FRAME_COLUMNS, FRAME_ROWS = 4, 2
+
 TABLE_ROWS, TABLE_COLUMNS = 4, 43
 """Size of the table of angles without its dials, in characters."""
 
@@ -19,8 +22,79 @@ ROOMY_ROWS = 20
 """Rows of a terminal from which on blank lines separate the parts."""
 
 RAW, CORRECTED = "red", "green"
+
 LEAST_DEG = 2.0
 """The chart shows at least this range of errors, deg."""
+
+
+@dataclass(slots=True)
+class YawError:
+    """Mean |error| in degrees; all angles are 0 at the first sample.
+
+    raw_deg, corrected_deg, true_deg
+        The latest angles.
+    history
+        (t_s, raw error, corrected error) of the samples, thinned when the list grows long.
+    """
+
+    samples: int = 0
+    t_s: float = 0.0
+    raw_deg: float = 0.0
+    corrected_deg: float = 0.0
+    true_deg: float = 0.0
+    rate_dps: float = 0.0
+    bias_dps: float = 0.0
+    raw_sum_deg: float = 0.0
+    corrected_sum_deg: float = 0.0
+    first_s: float = 0.0
+    history: list[tuple[float, float, float]] = field(default_factory=list)
+    _first_encoder_deg: float = 0.0
+
+    def add(self, line: dict[str, Any]) -> None:
+        """Add a line of `serve`; lines without an encoder angle are ignored."""
+        if "encoder_deg" not in line:
+            return
+        t_s = float(line["t_s"])
+        if self.samples:
+            self.raw_deg += 0.5 * (self.rate_dps + float(line["rate_dps"])) * (t_s - self.t_s)
+        else:
+            self.first_s = t_s
+            self._first_encoder_deg = float(line["encoder_deg"])
+        self.t_s = t_s
+        self.samples += 1
+        self.rate_dps, self.bias_dps = float(line["rate_dps"]), float(line["bias_dps"])
+        self.corrected_deg = float(line["yaw_deg"])
+        self.true_deg = float(line["encoder_deg"]) - self._first_encoder_deg
+        self.raw_sum_deg += abs(self.raw_error_deg)
+        self.corrected_sum_deg += abs(self.corrected_error_deg)
+        self.history.append((t_s, self.raw_error_deg, self.corrected_error_deg))
+        if len(self.history) > 2 * HISTORY:
+            self.history = self.history[::2]
+
+    @property
+    def elapsed_s(self) -> float:
+        """Device time since the first sample, s."""
+        return self.t_s - self.first_s
+
+    @property
+    def raw_error_deg(self) -> float:
+        """Error of the integrated rate, deg."""
+        return self.raw_deg - self.true_deg
+
+    @property
+    def corrected_error_deg(self) -> float:
+        """Error of the corrected yaw, deg."""
+        return self.corrected_deg - self.true_deg
+
+    @property
+    def raw_mean_deg(self) -> float:
+        """Mean |error| of the integrated rate, deg."""
+        return self.raw_sum_deg / max(1, self.samples)
+
+    @property
+    def corrected_mean_deg(self) -> float:
+        """Mean |error| of the corrected yaw, deg."""
+        return self.corrected_sum_deg / max(1, self.samples)
 
 
 class Size(NamedTuple):

@@ -30,7 +30,7 @@ from gyrodrift.evaluation.kernels.kernel import GROUP, SUMS, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
-from gyrodrift.io.cluster import ClusterWorkers
+from gyrodrift.io.parallel import ClusterWorkers
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import UsageError

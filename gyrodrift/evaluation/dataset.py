@@ -1,4 +1,4 @@
-"""Sessions of an evaluation: loading, checks, and the split into training and test."""
+"""Sessions of an evaluation: loading, checks, the split into training and test, and thinned curves for figures."""
 
 import hashlib
 from collections.abc import Iterator, Sequence
@@ -23,6 +23,21 @@ STEP_S = 1.0
 REST_DEG = 0.5
 """A second is a rest if the reference angle changes by less than REST_DEG: chosen, above the scatter of encoders."""
 
+CROSS_VALIDATED = 5
+"""Most sessions for leave-one-out cross-validation; with more sessions, a share is held out: chosen."""
+
+TEST_SHARE = 0.3
+"""Share of the sessions that is held out: chosen."""
+
+RATE_TOLERANCE = 0.02
+"""Relative difference of sample rates that is ignored, above the tolerance of oscillators: chosen."""
+
+MISSING_SHARE = 0.01
+"""Share of missing encoder values above which a warning is given: chosen."""
+
+MOVES_DPS = 3.0
+"""Range of the one-second means of the rate, deg/s, above which the device has moved: chosen."""
+
 
 def longest_motion_s(t_s: Floats, reference_deg: Floats) -> float:
     """Longest motion without a rest, s.
@@ -42,22 +57,6 @@ def longest_motion_s(t_s: Floats, reference_deg: Floats) -> float:
     start_s, angle_deg = known_s[first], reference_deg[is_known][first]
     is_moving = np.abs(np.diff(angle_deg)) >= REST_DEG * np.diff(seconds)
     return max((float(start_s[end] - start_s[first]) for first, end in true_runs(is_moving)), default=0.0)
-
-
-CROSS_VALIDATED = 5
-"""Most sessions for leave-one-out cross-validation; with more sessions, a share is held out: chosen."""
-
-TEST_SHARE = 0.3
-"""Share of the sessions that is held out: chosen."""
-
-RATE_TOLERANCE = 0.02
-"""Relative difference of sample rates that is ignored, above the tolerance of oscillators: chosen."""
-
-MISSING_SHARE = 0.01
-"""Share of missing encoder values above which a warning is given: chosen."""
-
-MOVES_DPS = 3.0
-"""Range of the one-second means of the rate, deg/s, above which the device has moved: chosen."""
 
 
 class Split(Enum):
@@ -236,3 +235,24 @@ def split_sources(sources: Sequence[Source], seed: int) -> list[Source]:
     tests = np.random.default_rng(seed).permutation(len(free))[: round(TEST_SHARE * len(free))]
     splits = [Split.TEST if index in tests else Split.TRAIN for index in range(len(free))]
     return [replace(s, split=split) for s, split in zip(free, splits, strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class YawCurves:
+    """Times in minutes and reference in deg, shape (m,), and yaw of k methods in deg, shape (k, m)."""
+
+    minutes: Floats
+    reference_deg: Floats
+    yaw_deg: Floats
+
+    @property
+    def errors_deg(self) -> Floats:
+        """Yaw minus reference, deg, shape (k, m)."""
+        return self.yaw_deg - self.reference_deg
+
+
+def yaw_curves(loaded: LoadedSession, yaws_deg: Sequence[Floats], max_samples: int) -> YawCurves:
+    """Yaws of a session, of shape (n,), thinned to at most `max_samples` samples."""
+    rows = loaded.reference.thinned(max_samples)
+    minutes = (loaded.t_s[rows] - loaded.t_s[0]) / 60.0
+    return YawCurves(minutes, loaded.reference.reference_deg[rows], np.array([yaw_deg[rows] for yaw_deg in yaws_deg]))

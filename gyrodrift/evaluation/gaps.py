@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.filters.gaps import longest_step_s
 from gyrodrift.session.session import Session
+from gyrodrift.values.words import counted
 
 NAMED = 3
 """Most gaps that a line names."""
@@ -28,7 +29,7 @@ def gaps_text(session: Session) -> str:
 
 def _gaps(begins_s: list[float], lengths_s: list[float]) -> Iterator[str]:
     if begins_s:
-        count = f"{len(begins_s)} gap{'s' * (len(begins_s) > 1)} without samples"
+        count = f"{counted(len(begins_s), 'gap')} without samples"
         named = [f"{length:.3g} s at {begin:.6g} s" for begin, length in zip(begins_s[:NAMED], lengths_s, strict=False)]
         yield f"{count} ({', '.join(named)}{', ...' if len(begins_s) > NAMED else ''})"
 

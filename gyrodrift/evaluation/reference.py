@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from gyrodrift.evaluation.attitude import attitude_history
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns, hold_last
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 

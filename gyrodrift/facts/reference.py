@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats, Mask
 
 BLOCK_S = 0.5

@@ -8,6 +8,8 @@ from dataclasses import Field, dataclass, fields
 from math import nan
 from typing import Any, ClassVar, Protocol
 
+from gyrodrift.filters.aids.reading import AidedFilter
+
 
 class FilterState(Protocol):
     """State of every filter after a sample.
@@ -162,6 +164,8 @@ class Filter:
         Parameters for a device whose scale factor has this standard deviation, as a share, from a calibration.
     scale_sigma_deg
         Share of `yaw_sigma_deg` that comes from the scale factor, deg; NaN for a filter without a yaw sigma.
+    aided
+        Functions that take measurements of second sources; None for a filter that cannot.
     columns
         Attributes of the state that `gyrodrift filter` writes after time and rate.
     parameters : tuple of FilterParameter
@@ -201,6 +205,7 @@ class Filter:
     dash: str = "--"
     uses_auxiliary: bool = False
     memory: FilterMemory | None = None
+    aided: AidedFilter | None = None
     zero: Callable[[Any], None] = keep_state
     with_scale_sigma: Callable[[Any, float], Any] = keep_params
     scale_sigma_deg: Callable[[Any, Any], float] = unknown_sigma

@@ -1,7 +1,7 @@
 """Restlevel as a filter of the registry: records, step, and the meaning and search range of each parameter."""
 
 from gyrodrift.filters.filter import Filter, FilterMemory, FilterParameter, ReducedModel, SearchRange
-from gyrodrift.filters.restlevel import memory
+from gyrodrift.filters.restlevel import aided, memory
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.zero import scale_sigma_deg, with_scale_sigma, zero_yaw
@@ -88,6 +88,7 @@ RESTLEVEL = Filter(
     dash="-",
     uses_auxiliary=True,
     memory=FilterMemory(memory.learned, memory.begun, memory.knowledge),
+    aided=aided.AIDED,
     zero=zero_yaw,
     with_scale_sigma=with_scale_sigma,
     scale_sigma_deg=scale_sigma_deg,

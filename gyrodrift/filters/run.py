@@ -5,12 +5,12 @@ of three axes is imported when the first sample with three axes arrives.
 """
 
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from gyrodrift.filters.aids import Aids
+from gyrodrift.filters.aids.follow import Aids
 from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.gaps import UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
+from gyrodrift.filters.gaps import CORRECTION_DEG, UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
 from gyrodrift.values.aid import Aid, AidStatus
 from gyrodrift.values.mount import LEVEL, Mount
 from gyrodrift.values.quaternion import with_heading
@@ -75,6 +75,37 @@ class FilterRun:
         self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
     ) -> bool:
         """Take a sample; False if it is rejected. Time without samples that are taken is a gap."""
+        if self._aids is None:
+            return self._step_axes(t_s, rate_dps, inertial, still, temp_c)
+        return self._step_aided(self._aids, t_s, rate_dps, inertial, still, temp_c)
+
+    def _step_aided(
+        self, aids: Aids, t_s: float, rate_dps: float, inertial: Inertial | None, still: float, temp_c: float
+    ) -> bool:
+        """Take a sample, and what second sources have measured up to it."""
+        still = aids.still(t_s) if isnan(still) else still
+        had_axes, scale = self.three_axes is not None, 0.0 if self.three_axes else aids.scale.mean
+        is_accepted = self._step_axes(t_s, (1.0 + scale) * rate_dps, inertial, still, temp_c)
+        if had_axes != (self.three_axes is not None):
+            aids.plain = None
+        if aids.plain is not None:
+            aided_state, self.state = self.state, aids.plain
+            self._step_axes(t_s, (1.0 + aids.plain_scale) * rate_dps, inertial, still, temp_c)
+            aids.plain, self.state = self.state, aided_state
+        if is_accepted:
+            aids.follow((self.three_axes or self.filter).aided, self._coefficients, self.state, t_s)
+            if aids.is_contradicted:
+                self._go_on_plain(aids)
+        return is_accepted
+
+    def _go_on_plain(self, aids: Aids) -> None:
+        """Go on with the state without the sources, one of which has misled the filter."""
+        step_deg, corrections = aids.plain.yaw_deg - self.state.yaw_deg, self.state.corrections
+        self.state = aids.plain
+        self.state.correction_deg, self.state.corrections = step_deg, corrections + (abs(step_deg) > CORRECTION_DEG)
+        aids.forget()
+
+    def _step_axes(self, t_s: float, rate_dps: float, inertial: Inertial | None, still: float, temp_c: float) -> bool:
         if inertial is not None:
             self._axes_t_s = t_s
         elif self.three_axes is not None and t_s - self._axes_t_s > WITHOUT_AXES_S:
@@ -97,12 +128,14 @@ class FilterRun:
         if self.state.samples > 0:
             told_s = UNKNOWN_S if seconds is None else seconds
             expect_gap(self._gap_watch, told_s, has_restarted=has_restarted)
+            if self._aids is not None and self._aids.plain is not None:
+                expect_gap(self._aids.plain.watch, told_s, has_restarted=has_restarted)
 
     def aid(self, aid: Aid) -> None:
         """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
         if self._aids is None:
             self._aids = Aids()
-        self._aids.take(aid, self.state.t_s)
+        self._aids.take(aid)
 
     @property
     def aids(self) -> dict[str, AidStatus]:

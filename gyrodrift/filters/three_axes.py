@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from gyrodrift.filters.aids.reading import AidedFilter
+from gyrodrift.filters.attitude.aided import AIDED
 from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.step import coefficients as attitude_coefficients
 from gyrodrift.filters.attitude.step import step as attitude_step
@@ -63,18 +65,21 @@ class ThreeAxisFilter:
     step
         Takes coefficients, state, device time in s, rates and accelerations, the still flag and the temperature in °C,
         both NaN if unknown; False if the sample is rejected.
+    aided
+        Functions that take measurements of second sources; None for a filter that cannot.
     """
 
     coefficients: Callable[[Any], Any]
     state: Callable[[FilterState], Any]
     zero: Callable[[Any], None]
     step: Callable[[Any, Any, float, Inertial, float, float], bool]
+    aided: AidedFilter | None = None
 
 
 def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
     """Three-axis version of a filter."""
     if chosen is RESTLEVEL:
-        return ThreeAxisFilter(attitude_coefficients, _attitude_after, zero_yaw, _attitude_step)
+        return ThreeAxisFilter(attitude_coefficients, _attitude_after, zero_yaw, _attitude_step, AIDED)
     step = chosen.step_auxiliary
 
     def heading_step(c: Any, s: HeadingState, t_s: float, inertial: Inertial, still: float, temp_c: float) -> bool:

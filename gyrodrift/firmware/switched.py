@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator
 
 FILTERS = ("hdr", "restlevel", "attitude")
 PUBLIC = re.compile(
-    rf"gd_(?:{'|'.join(FILTERS)})_(?:init|zero|remember|gap|restarted|heading|turn_rate|speed|update(?:_us)?(?:_with)?)"
-    r"|gd_calibrated_dps|gd_calibrate_axes"
+    rf"gd_(?:{'|'.join(FILTERS)})_(?:init|zero|remember|gap|restarted|work|heading|turn_rate|speed|update(?:_us)?(?:_with)?)"
+    r"|gd_roll_deg|gd_pitch_deg|gd_calibrated_dps|gd_calibrate_axes"
 )
 """Functions that users call; the others are internal."""
 

@@ -7,8 +7,8 @@ from io import TextIOBase, UnsupportedOperation
 from typing import Any, TextIO, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger, structlog
-from gyrodrift.io.terminal import AboveLine
-from gyrodrift.io.unwaiting import send_unwaiting
+from gyrodrift.io.terminal import AboveLine, is_screen
+from gyrodrift.io.waiting import send_unwaiting
 from gyrodrift.values.errors import UsageError, printable
 from gyrodrift.values.secret import without_secrets
 
@@ -169,8 +169,7 @@ def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) ->
 def _stderr(style: str) -> TextIOBase:
     """Standard error without waiting; its lines replace a line in place if it is a terminal that can."""
     stderr = unwaiting_stderr(style)
-    is_screen = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-    return AboveLine(cast("TextIO", stderr)) if is_screen else stderr
+    return AboveLine(cast("TextIO", stderr)) if is_screen(sys.stderr) else stderr
 
 
 def _has_colors() -> bool:

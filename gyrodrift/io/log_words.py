@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from gyrodrift.io.terminal import columns_of
+from gyrodrift.values.words import counted
 
 STYLES = {"warning": "\x1b[33m", "error": "\x1b[31m", "critical": "\x1b[31m", "debug": "\x1b[2m"}
 """Colors of the words of a level: yellow, red and dim (ECMA-48 SGR)."""
@@ -74,7 +75,7 @@ def _changes(fields: Fields) -> str:
 
 def _gap(fields: Fields) -> str:
     missing, seconds = fields["missing"], fields.get("longest_s", fields.get("seconds", 0.0))
-    return f"{missing} {'sample' if missing == 1 else 'samples'} lost; the longest gap is {seconds:.3g} s."
+    return f"{counted(missing, 'sample')} lost; the longest gap is {seconds:.3g} s."
 
 
 SENTENCES: Mapping[str, Callable[[Fields], str]] = {
@@ -84,7 +85,7 @@ SENTENCES: Mapping[str, Callable[[Fields], str]] = {
     "link_restored": lambda it: f"{it['port']} is back after {it['gone_s']:.1f} s.",
     "link_silent": lambda it: f"No sample for {it['seconds']:.0f} s.",
     "link_speaks": lambda _: "Samples arrive again.",
-    "port_search": lambda it: f"Listening on {it['ports']} {'port' if it['ports'] == 1 else 'ports'}.",
+    "port_search": lambda it: f"Listening on {counted(it['ports'], 'port')}.",
     "port_found": lambda it: f"A gyro sends on {it['port']}: {it['protocol']}{_baud(it)}.",
     "protocol_found": lambda it: f"The protocol is {it['protocol']}.",
     "no_device_clock": lambda _: "The device sends no clock; samples are timed by their arrival.",

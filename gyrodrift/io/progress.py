@@ -1,10 +1,11 @@
 """Progress of long work: bars on a terminal, nothing in a pipe."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO, TypeVar
+
+from gyrodrift.io.terminal import is_screen
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bars
@@ -66,7 +67,7 @@ class Progress:
     """
 
     def __init__(self, stream: TextIO, shares: Mapping[str, float] | None = None, *, is_quiet: bool = False) -> None:
-        self._bars = None if is_quiet or not _is_interactive(stream) else _bars(stream)
+        self._bars = None if is_quiet or not is_screen(stream) else _bars(stream)
         self._tasks: dict[str, TaskID] = {}
         self._has_one_stage = shares is None
         self._shares = dict(shares or {})
@@ -134,10 +135,6 @@ class Progress:
         if TOTAL not in self._tasks:
             self._add(TOTAL, PERCENT)
         self._bars.update(self._tasks[TOTAL], completed=percent, count=f"{percent:.0f} %")
-
-
-def _is_interactive(stream: TextIO) -> bool:
-    return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def _bars(stream: TextIO) -> "Bars":

@@ -14,6 +14,11 @@ FIRST_WIDE = "\u1100"
 """First character that takes two columns (Unicode Standard Annex 11)."""
 
 
+def is_screen(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that can rewrite a line."""
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
 def columns_of(fd: int) -> int | None:
     """Width of a terminal; None if it does not tell it."""
     try:

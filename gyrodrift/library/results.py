@@ -124,7 +124,7 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
     from gyrodrift.compare.report.files import content
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.report.files import write_json
+    from gyrodrift.report.numbers import write_json
     from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
@@ -165,7 +165,7 @@ def plot(session: "Session", estimates: "Estimates | None" = None) -> Any:
     import numpy as np
     from matplotlib.figure import Figure
 
-    from gyrodrift.session.angles import unwrapped
+    from gyrodrift.session.session import unwrapped
 
     if estimates is not None and len(estimates.yaw_deg) != len(session.t_device_s):
         raise UsageError(f"plot: {len(estimates.yaw_deg)} estimates for {len(session.t_device_s)} samples")

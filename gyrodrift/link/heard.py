@@ -1,4 +1,7 @@
-"""Last bytes of a stream whose protocol is unknown, and whether they are text."""
+"""Last bytes of a stream whose protocol is unknown, whether they are text, and line ends for messages of text.
+
+Boards and phones often send one line of text per message, without its end.
+"""
 
 import re
 
@@ -98,3 +101,19 @@ def quoted(line: str) -> str:
     """Line for a message: printable, at most LONGEST_QUOTE characters."""
     shown = "".join(character if character.isprintable() else " " for character in line.replace('"', "'"))
     return f'"{shown}"' if len(shown) <= LONGEST_QUOTE else f'"{shown[: LONGEST_QUOTE - 1]}…"'
+
+
+class LineEnds:
+    """Adds a line end to each text without one, until a binary message comes."""
+
+    def __init__(self, *, is_text: bool = True) -> None:
+        self._is_binary = not is_text
+
+    def add(self, content: bytes) -> bytes:
+        """Message as a part of a stream; a frame may look like text by chance, so binary streams stay as they are."""
+        if self._is_binary or content.endswith((b"\n", b"\r")):
+            return content
+        if all(byte in PRINTABLE or byte >= 0x80 for byte in content):
+            return content + b"\n"
+        self._is_binary = True
+        return content

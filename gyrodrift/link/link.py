@@ -12,24 +12,18 @@ from math import isnan
 from typing import Any
 
 from gyrodrift.link.binary_frames import binary_frames
-from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
+from gyrodrift.link.clocks.clock import CLOCK_SET, Calendar, Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.connection import Connection
+from gyrodrift.link.decoding import Decoding
 from gyrodrift.link.heard import Heard
-from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
-from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
-from gyrodrift.link.protocols.detect import Detector
-from gyrodrift.link.protocols.guard import Guard, renewed
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, added_candidates, candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
-from gyrodrift.link.turn_queue import TurnQueue
+from gyrodrift.link.turn_queue import Arrived, TurnQueue
 from gyrodrift.link.unit_check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
@@ -37,13 +31,6 @@ from gyrodrift.values.sample import Reading, Sample
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
 """Time for which `--baud auto` listens at a baud rate with bytes, s; the longer one after the first good frame."""
-
-STREAMS_MAX = 256
-"""Largest number of senders that are heard before the first sample; the decoders of one take about 10 kB."""
-
-PLUG_IN_BYTES = 256
-"""Bytes that no protocol of gyrodrift understands before those of plug-ins are tried; chosen, over three frames of most
-protocols. So the start with a usual device neither looks for plug-ins nor imports them."""
 
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
@@ -75,23 +62,15 @@ class Link:
         self.counters = LinkCounters()
         self.connection = Connection(options, self.counters, on_event, self._renew, monotonic)
         self.source, self.name = self.connection.source, self.connection.name
-        self.decoder: Decoder | None = None
+        has_known_baud = options.baud is not None or not self.connection.has_baud
+        protocol = self.source.protocol if self.source is not None else None
+        self._decoding = Decoding(options, protocol, on_event, has_known_baud=has_known_baud)
         self.clock: Clock | None = None
-        self.device = DeviceDescription()
         self.tap: Callable[[bytes, float], Any] | None = None
         self._on_event = on_event
         self._monotonic = monotonic
         self._calendar = Calendar(monotonic)
-        self._protocols = {protocol.name: protocol for protocol in self._candidates()}
-        self._columns = options.columns
-        self._guard = Guard(on_event)
-        self._passed_over: frozenset[str] = frozenset()
-        self._late = LateArrivals()
         self._queue = TurnQueue()
-        self._detector = self._begin_detection()
-        self._detects_all = len(self._protocols) > 1 and options.protocol == AUTO
-        self._stream: object = None
-        self._streams: dict[object, tuple[Decoder | None, Detector, LateArrivals]] = {}
         self._spoke = False
         self._heard = Heard()
         self._check: UnitCheck | None = None
@@ -99,6 +78,16 @@ class Link:
         self._is_angle_told = False
         self._trial_s: float | None = None
         self.connection.begin(port)
+
+    @property
+    def decoder(self) -> Decoder | None:
+        """Decoder of the bytes; None until it is found."""
+        return self._decoding.decoder
+
+    @property
+    def device(self) -> DeviceDescription:
+        """Description of the device by itself; empty without one."""
+        return self._decoding.device
 
     @property
     def port(self) -> SourcePort | None:
@@ -168,18 +157,7 @@ class Link:
 
     def follow_columns(self, columns: str | None) -> None:
         """Read text with other columns from now on, without losing a line; an event reports if that is impossible."""
-        if columns == self._columns:
-            return
-        self._columns = columns
-        if columns is None or self.decoder is None or self.decoder.name != text.NAME:
-            self._on_event("columns_kept", reason="the device does not send text; restart to apply them")
-            return
-        protocol = text.text_protocol(columns)
-        if protocol.has_clock != self._protocols[text.NAME].has_clock:
-            self._on_event("columns_kept", reason="they add or remove the clock; restart to apply them")
-            return
-        text.read_by(self.decoder, columns)
-        self._protocols = {text.NAME: protocol}
+        self._decoding.follow_columns(columns)
 
     def send_at_opening(self, content: bytes) -> None:
         """Send these bytes after the next opening of the port."""
@@ -219,12 +197,7 @@ class Link:
     @property
     def _is_idle(self) -> bool:
         """Whether all that was read is decoded and handed over."""
-        return self._queue.is_empty and not self._is_behind
-
-    @property
-    def _is_behind(self) -> bool:
-        """Whether the decoder has more of what it got; one of another package may not know the attribute."""
-        return getattr(self.decoder, "is_behind", False)
+        return self._queue.is_empty and not self._decoding.is_behind
 
     def _receive(self) -> bool:
         """Read the connection; False if nothing has arrived."""
@@ -234,8 +207,8 @@ class Link:
         chunk = received.content if isinstance(received, ReadingBatch) else received
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
-        if not self._spoke and self.port is not None and self.port.stream != self._stream:
-            self._turn_to(self.port.stream)
+        if not self._spoke and self.port is not None:
+            self._decoding.turn_to(self.port.stream)
         if self.tap is not None:
             self.tap(chunk, self._calendar.epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
@@ -244,24 +217,6 @@ class Link:
         self._queue.add(received, arrival_s)
         return True
 
-    def _begin_detection(self) -> Detector:
-        """A fresh detector; the decoder itself if only one is possible."""
-        self.decoder = None
-        if len(self._protocols) == 1 and (self.options.baud is not None or not self.connection.has_baud):
-            self.decoder = next(iter(self._protocols.values())).decoder()
-        return Detector(list(self._protocols.values()), self._guard)
-
-    def _turn_to(self, stream: object) -> None:
-        """Until the first sample each sender has its own decoders, so that none spoils the frames of another."""
-        self._streams[self._stream] = self.decoder, self._detector, self._late
-        if len(self._streams) > STREAMS_MAX:
-            del self._streams[next(iter(self._streams))]
-        self._stream = stream
-        if stream in self._streams:
-            self.decoder, self._detector, self._late = self._streams.pop(stream)
-        else:
-            self._detector, self._late = self._begin_detection(), LateArrivals()
-
     def _decode_until(self, until_s: float) -> bool:
         """Decode what was read, until a time; whether all of it, or as much as a turn may have, is decoded.
 
@@ -269,72 +224,32 @@ class Link:
         """
         queue = self._queue
         while True:
-            queue.readings += self._decode(queue.next_piece())
-            if not queue.has_pieces and (not self._is_behind or len(queue.readings) >= queue.turn_samples):
+            queue.readings += self._decoding.push(queue.next_piece(), self.counters.bytes, self.connection.line())
+            if not queue.has_pieces and (not self._decoding.is_behind or len(queue.readings) >= queue.turn_samples):
                 return True
             if self._monotonic() >= until_s:
                 return not queue.has_pieces
 
     def _stamped(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples of the readings of a read."""
-        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
+        arrived = self._decoding.by_arrival(readings, arrival_s)
         if not arrived or self.decoder is None:
             if not self._spoke:
                 self._give_up_waiting()
             return []
         samples = self._stamp(self.decoder, arrived)
         self._spoke = True
-        self._streams.clear()
+        self._decoding.keep_sender()
         self.connection.understood(arrival_s)
         if self._check is not None:
             self._check_units(self._check, len(readings), samples, arrival_s)
         return samples
 
-    def _decode(self, chunk: Any) -> list[Reading]:
-        if self.decoder is not None:
-            self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
-        else:
-            detected = self._detector.push(chunk) or self._ask_plug_ins(chunk)
-            if detected is None:
-                return []
-            self.decoder, readings = detected
-            self._on_event("protocol_found", protocol=self.decoder.name, **self.connection.line())
-        if self.decoder.device is not self.device:
-            self._meet(self.decoder.device)
-        if self.decoder.counters.passed_over != self._passed_over:
-            self._passed_over = self.decoder.counters.passed_over
-            hint = self._protocols[self.decoder.name].choice_hint
-            self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=hint)
-        return readings
-
-    def _ask_plug_ins(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
-        """Let the protocols of plug-ins join the detection, if the bytes so far are not understood."""
-        if not self._detects_all or self.counters.bytes < PLUG_IN_BYTES:
-            return None
-        self._detects_all = False
-        for problem in PROTOCOLS.problems():
-            self._on_event("plug_in_left_out", reason=problem)
-        added = added_candidates()
-        self._protocols |= {protocol.name: protocol for protocol in added}
-        return self._detector.join(added, chunk)
-
-    def _meet(self, device: DeviceDescription) -> None:
-        if device != self.device and device.device_id is not None:
-            self._on_event(
-                "device",
-                device_id=device.device_id,
-                sample_rate_hz=device.sample_rate_hz,
-                dps_per_lsb=device.dps_per_lsb,
-                encoder_cpr=device.encoder_cpr,
-                **({"device_filter": device.device_filter} if device.device_filter else {}),
-            )
-        self.device = device
-
     def _stamp(self, decoder: Decoder, arrived: list[Arrived]) -> list[Sample]:
         first = arrived[0][1][0]
         is_angle, is_delta = not isnan(first.yaw_deg), not isnan(first.delta_deg)
         if self.clock is None:
-            protocol = self._protocols[decoder.name]
+            protocol = self._decoding.protocol_of(decoder)
             has_clock = protocol.has_clock and first.t_us is not None
             if not protocol.has_unit:
                 self._check = UnitCheck(
@@ -384,16 +299,9 @@ class Link:
                     self._on_event("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
         clock.events.clear()
 
-    def _candidates(self) -> list[WireProtocol]:
-        """Protocols to detect; a source may have its own."""
-        if self.source is not None and self.source.protocol is not None:
-            return [self.source.protocol]
-        return candidates(self.options.protocol, self.options.columns)
-
     def _renew(self) -> None:
         """Prepare for bytes after a break."""
-        if self.decoder is not None:
-            self.decoder = renewed(self._protocols[self.decoder.name], self.decoder)
+        self._decoding.renew()
         if self.clock is not None:
             self.clock.reconnected()
 
@@ -417,7 +325,7 @@ class Link:
 
     def _try_next_baud(self, now_s: float) -> None:
         """Go on to the next of the usual baud rates, if this one had its time and gave nothing that can be read."""
-        is_slow = self._detector.is_warm or self._heard.may_be_text
+        is_slow = self._decoding.is_warm or self._heard.may_be_text
         trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
         if self._trial_s is None or now_s - self._trial_s < trial_s:
             return
@@ -425,24 +333,18 @@ class Link:
             self._trial_s = now_s  # the baud rate is right
             return
         self._trial_s = None
-        self._detector = Detector(list(self._protocols.values()), self._guard)
+        self._decoding.restart_detection()
         self._heard = Heard()
         self.connection.next_baud()
 
     def _is_another_protocol(self) -> bool:
         """Whether the bytes are a known protocol, or frames with checksums, that is not read here."""
-        if unread_protocol(self._heard, self._chosen_protocol):
+        if unread_protocol(self._heard, self._decoding.chosen_protocol):
             return True
         frames = binary_frames(self._heard.content)
         return frames is not None and frames.is_checked
 
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
-        chosen = self._chosen_protocol
-        stream = chosen, self._heard, self.name, self.source, self.baud
+        stream = self._decoding.chosen_protocol, self._heard, self.name, self.source, self.baud
         return why_silent(waited_s, baud, heard_bytes, self.decoder, *stream)
-
-    @property
-    def _chosen_protocol(self) -> str:
-        """Protocol of the options; columns mean text."""
-        return self.options.protocol if self.options.columns is None else text.NAME

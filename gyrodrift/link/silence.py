@@ -7,7 +7,7 @@ from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.detect import Detector
-from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, detected_names
 from gyrodrift.link.sources.source import ByteSource
 from gyrodrift.link.unread import CONVERT, spoken
 
@@ -86,14 +86,14 @@ def _why_frames(frames: BinaryFrames, heard: Heard, baud: int, source: ByteSourc
     device = f", as {frames.resembles} sends them" if frames.resembles else ""
     at_baud = f" at {baud} baud" if source is None or source.has_baud else ""
     sends = f"the device sends {described}{device}{at_baud}: a binary protocol, which gyrodrift does not read"
-    return f"{sends}; can it send text, or one of {listed()}? {CONVERT[0].upper()}{CONVERT[1:]}"
+    return f"{sends}; can it send text, or one of {detected_names()}? {CONVERT[0].upper()}{CONVERT[1:]}"
 
 
 def _why_noise(
     heard_bytes: int, baud: int | None, decoder: Decoder | None, protocol: str, waited: str, source: ByteSource | None
 ) -> str:
     """Message about bytes that are neither text nor a known protocol."""
-    expected = listed() if decoder is None and protocol == "auto" else decoder.name if decoder is not None else protocol
+    expected = decoder.name if decoder is not None else detected_names() if protocol == "auto" else protocol
     frames = f"{heard_bytes} bytes arrived {waited}, but no {expected} frame"
     if source is not None and not source.has_baud:
         return f"{frames}; check what the device sends, and the baud rate of a serial line behind it"
@@ -173,7 +173,7 @@ def _without_columns(heard: Heard, waited: str) -> str:
 def _expected_sample(protocol: str) -> str:
     if protocol == text.NAME:
         return "sample for these --columns"
-    return f"{protocol} sample" if protocol != "auto" else f"{listed()} sample"
+    return f"{protocol} sample" if protocol != "auto" else f"{detected_names()} sample"
 
 
 def _expected(protocol: str) -> str:

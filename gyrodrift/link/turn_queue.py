@@ -1,7 +1,8 @@
-"""Queue of a link: pieces to decode, readings of the same read, and samples beyond the budget of a turn.
+"""Queue of a link: pieces to decode, readings with their arrival times, and samples beyond the budget of a turn.
 
 A turn of a link has a budget of time and samples, so that no source delays another. The rest keeps its arrival time
-and is worked off in the next turns; until then the source is not read, and its own buffer fills.
+and is worked off in the next turns; until then the source is not read, and its own buffer fills. Readings that waited
+in a decoder for their scale keep their arrival time too.
 """
 
 from collections import deque
@@ -9,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 from gyrodrift.link.protocols.batch import ReadingBatch
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters
 from gyrodrift.values.sample import Reading, Sample
 
 PIECE_BYTES = 1024
@@ -20,6 +22,9 @@ TURN_S = 0.02
 
 TURN_SAMPLES = 1024
 """Samples of a turn, shared in the same way: a filter and a JSON line take about 20 µs a sample, which is TURN_S."""
+
+Arrived = tuple[float, list[Reading]]
+"""Arrival time, s on the monotonic host clock, and its readings."""
 
 
 @dataclass(slots=True)
@@ -86,3 +91,36 @@ class TurnQueue:
         for _ in turn:
             self._samples.popleft()
         return turn
+
+
+class LateArrivals:
+    """Arrival times from the counters of a decoder."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[tuple[float, int]] = deque(maxlen=WAITING_MAX)
+        self._came = 0
+        self._late = 0
+
+    def by_arrival(self, counters: DecoderCounters, readings: list[Reading], arrival_s: float) -> list[Arrived]:
+        """Readings of a push at `arrival_s` with their own arrival times; readings that waited come first."""
+        came, late = counters.before_hello + counters.late, counters.late - self._late
+        if came > self._came:
+            self._waiting.append((arrival_s, came - self._came))
+        self._came, self._late = came, counters.late
+        if not late:
+            return [(arrival_s, readings)] if readings else []
+        return [*self._released(readings[:late], arrival_s), (arrival_s, readings[late:])]
+
+    def _released(self, readings: list[Reading], arrival_s: float) -> list[Arrived]:
+        """Readings that waited, grouped by arrival; the oldest may have been dropped."""
+        groups: list[Arrived] = []
+        end = len(readings)
+        while end and self._waiting:
+            came_s, count = self._waiting.pop()
+            begin = max(0, end - count)
+            groups.append((came_s, readings[begin:end]))
+            end = begin
+        self._waiting.clear()
+        if end:
+            groups.append((arrival_s, readings[:end]))
+        return groups[::-1]

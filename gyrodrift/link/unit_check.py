@@ -9,6 +9,7 @@ from collections.abc import Callable
 from math import isnan
 from typing import Any
 
+from gyrodrift.columns.sizes import WINDOW
 from gyrodrift.link.clocks.clock import Clock
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
@@ -211,10 +212,6 @@ def _csv_spec(sample: Sample) -> str:
     if not isnan(sample.encoder_deg):
         columns.append("encoder")
     return ", ".join(columns)
-
-
-WINDOW = 50
-"""Samples per window, as in `rate_unit`."""
 
 
 PACE_S, LEAST_PACE, SAME_PACE = 3.0, 1.6, 0.05

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus, ServiceStatus
+from gyrodrift.values.words import counted
 
 SILENT_S = 5.0
 BUSY = 0.85
@@ -88,7 +89,7 @@ def damaged(link: LinkStatus) -> Health | None:
             HealthLevel.BAD, f"{link.damaged} frames are damaged ({share:.1%}); check cable, ground and baud."
         )
     if link.damaged:
-        return Health(HealthLevel.NOTE, f"Damaged: {_counted(link.damaged, 'frame')}.")
+        return Health(HealthLevel.NOTE, f"Damaged: {counted(link.damaged, 'frame')}.")
     return None
 
 
@@ -96,7 +97,7 @@ def lost(link: LinkStatus) -> Health | None:
     """Finding about lost samples."""
     if not link.missing:
         return None
-    return Health(HealthLevel.NOTE, f"Lost: {_counted(link.missing, 'sample')} in {_counted(link.gaps, 'gap')}.")
+    return Health(HealthLevel.NOTE, f"Lost: {counted(link.missing, 'sample')} in {counted(link.gaps, 'gap')}.")
 
 
 def restarted(link: LinkStatus) -> Health | None:
@@ -118,20 +119,20 @@ def clipped(link: LinkStatus) -> Health | None:
     """Finding about samples out of the range of the sensor."""
     if not link.clipped:
         return None
-    return Health(HealthLevel.NOTE, f"Out of range: {_counted(link.clipped, 'sample')}.")
+    return Health(HealthLevel.NOTE, f"Out of range: {counted(link.clipped, 'sample')}.")
 
 
 def impossible(link: LinkStatus) -> Health | None:
     """Finding about single readings that cannot be."""
     if not link.impossible:
         return None
-    return Health(HealthLevel.NOTE, f"Impossible rates left out: {_counted(link.impossible, 'sample')}.")
+    return Health(HealthLevel.NOTE, f"Impossible rates left out: {counted(link.impossible, 'sample')}.")
 
 
 def _rejected(status: ServiceStatus) -> Health | None:
     if not status.filter.rejected:
         return None
-    return Health(HealthLevel.NOTE, f"Invalid time or rate: {_counted(status.filter.rejected, 'sample')}.")
+    return Health(HealthLevel.NOTE, f"Invalid time or rate: {counted(status.filter.rejected, 'sample')}.")
 
 
 def uneven(link: LinkStatus) -> Health | None:
@@ -165,15 +166,11 @@ def _of_outputs(status: ServiceStatus) -> Iterator[Health]:
         elif output.dropped:
             yield Health(HealthLevel.NOTE, f"Slow clients of {output.output}: {output.dropped} messages dropped.")
     if status.dropped:
-        yield Health(HealthLevel.BAD, f"The outputs are too slow: {_counted(status.dropped, 'sample')} dropped.")
+        yield Health(HealthLevel.BAD, f"The outputs are too slow: {counted(status.dropped, 'sample')} dropped.")
     if status.config.refused > 0 and status.config.file:
         yield Health(
             HealthLevel.NOTE, f"{status.config.file} had mistakes {_times(status.config.refused)}; see the log."
         )
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _times(count: int) -> str:

@@ -15,8 +15,7 @@ from typing import Any
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
-from gyrodrift.outputs.net.periodic import Periodic
-from gyrodrift.outputs.net.servers import BoundedEvent
+from gyrodrift.outputs.net.servers import BoundedEvent, Periodic
 from gyrodrift.outputs.options import OutputSpec, options_from
 from gyrodrift.outputs.output import ControlAccess, Output
 from gyrodrift.outputs.registry import OUTPUTS

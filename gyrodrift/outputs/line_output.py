@@ -18,8 +18,8 @@ from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.values.nearest import did_you_mean
 from gyrodrift.values.sample import Corrected
+from gyrodrift.values.words import did_you_mean
 
 SAMPLE = '{"class":"SAMPLE",'
 WATCH_KEYS = ("class", "rate_hz", "fields")

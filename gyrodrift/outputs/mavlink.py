@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from annotated_types import Ge, Gt, Le, MinLen
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame, FrdReference, FrdSample, frd_sample
-from gyrodrift.outputs.net.datagrams import DatagramSender
+from gyrodrift.outputs.net.addresses import DatagramSender
 from gyrodrift.outputs.net.pty import SerialLine
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost

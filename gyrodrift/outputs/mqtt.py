@@ -22,8 +22,7 @@ from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import present_fields
 from gyrodrift.outputs.net.addresses import shown
-from gyrodrift.outputs.net.backlog import Backlog
-from gyrodrift.outputs.net.limits import Allowance, Limits
+from gyrodrift.outputs.net.limits import Allowance, Backlog, Limits
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.status import DeviceStatus, ServiceStatus

@@ -13,8 +13,7 @@ from annotated_types import MaxLen, MinLen
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
 from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_THREE_AXES, Use, fields_of
 from gyrodrift.outputs.networktables_robot import RobotTables
-from gyrodrift.outputs.networktables_server import ServedTables
-from gyrodrift.outputs.networktables_session import TopicValue
+from gyrodrift.outputs.networktables_server import ServedTables, TopicValue
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import shown, shown_name
-from gyrodrift.outputs.networktables_session import TopicValue
+from gyrodrift.outputs.networktables_server import TopicValue
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.values.constants import US_PER_S
 

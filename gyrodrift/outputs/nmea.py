@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from annotated_types import MaxLen
 
 from gyrodrift.outputs.line_output import runtime_folder
-from gyrodrift.outputs.net.datagrams import DatagramSender
+from gyrodrift.outputs.net.addresses import DatagramSender
 from gyrodrift.outputs.net.lines import LineServer, SilentSession
 from gyrodrift.outputs.net.pty import PtyWriter
 from gyrodrift.outputs.net.servers import ServerOutput

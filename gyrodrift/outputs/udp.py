@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.json_line import present_values
-from gyrodrift.outputs.net.datagrams import DatagramSender
+from gyrodrift.outputs.net.addresses import DatagramSender
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.thinning import Thinning

@@ -11,7 +11,7 @@ from math import nan
 from struct import Struct
 from typing import Any
 
-from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
+from gyrodrift.values.sample import NO_AXES, NO_YAW, Attitude, Corrected, Sample
 
 SAMPLES = b"S"
 EXTENDED = b"X"
@@ -31,9 +31,7 @@ PLAIN = OWN + len(Corrected._fields) - len(("sample", "attitude", "device_differ
 RECORD = Struct(f"<q{PLAIN - 1}d")
 """Values of a sample before its axes, then results of the filter."""
 
-NO_AXES = Inertial(*(nan,) * len(Inertial._fields))
 NO_ATTITUDE = Attitude(*(nan,) * len(Attitude._fields))
-NO_YAW = DeviceYaw(nan, nan, nan)
 PARTS = (NO_AXES, NO_ATTITUDE, NO_YAW)
 
 EXTENDED_RECORD = Struct(f"{RECORD.format}{sum(map(len, PARTS)) + 1}d{len(PARTS)}?")

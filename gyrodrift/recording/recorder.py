@@ -3,22 +3,23 @@
 Everything here runs in the thread that reads the port and never waits; only a `DiskFile` waits.
 """
 
+import os
 import platform
+import re
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.link.calendar import CLOCK_SET
+from gyrodrift.link.clocks.clock import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import MOST_WAITING_BYTES, DiskFile, RecordingError, disk_left_bytes
-from gyrodrift.recording.names import recording_path
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.values.sample import Sample
 from gyrodrift.values.secret import without_secrets
@@ -28,6 +29,9 @@ NAMELESS_S = 2.0
 
 MOST_EVENTS = 1000
 """Events kept before the first file begins, the latest ones."""
+
+LONGEST_WORD = 80
+"""Characters of a word; names of files have at most 255 bytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,3 +344,24 @@ def _is_over(disk: DiskFile) -> bool:
 def _device_tables(device: DeviceDescription) -> dict[str, dict[str, str]]:
     table = {name: str(getattr(device, name)) for name in device.__slots__ if getattr(device, name) is not None}
     return {"device": table} if table else {}
+
+
+def recording_path(
+    folder: Path, begun: datetime, device: str, profile: str, taken: Collection[Path] = frozenset()
+) -> Path:
+    """A path that does not exist yet: `2026-05-01T12-30-00Z_bench-7_turntable.mcap`; `begun` is in UTC.
+
+    Paths in `taken` count as existing.
+    """
+    words = [f"{begun:%Y-%m-%dT%H-%M-%SZ}", _plain(device), _plain(profile)]
+    stem = "_".join(word for word in words if word)
+    path, number = folder / f"{stem}.mcap", 1
+    while path in taken or os.path.lexists(path):  # a link to nowhere takes a name too
+        number += 1
+        path = folder / f"{stem}_{number}.mcap"
+    return path
+
+
+def _plain(text: str) -> str:
+    """Text as a part of a file name for any file system, shortened."""
+    return re.sub(r"[^A-Za-z0-9.-]+", "-", text)[:LONGEST_WORD].strip("-.")

@@ -1,9 +1,14 @@
-"""Numbers for readers: without exponents, with three digits; equally many decimals within a column."""
+"""Numbers for readers: no exponents, three digits, equally many decimals within a column; and numbers as JSON files."""
 
+import json
 from collections.abc import Sequence
 from math import floor, isfinite, log10
+from pathlib import Path
 
 import numpy as np
+
+from gyrodrift.io.files import write_whole
+from gyrodrift.io.json_numbers import finite_values
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -61,3 +66,20 @@ def factor_label(value: float) -> str:
     power = int(np.floor(np.log10(value) + 1e-9))
     share = value / 10.0**power
     return ("" if abs(share - 1.0) < 1e-6 else f"{share:.3g}·") + "10" + str(power).translate(SUPERSCRIPTS)
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write a file, whole or not at all; numbers that are not finite are null.
+
+    Raises
+    ------
+    UsageError
+        If the path cannot be written.
+    """
+    write_whole(path, [json.dumps(finite_values(content), indent=1, allow_nan=False, ensure_ascii=False), "\n"])
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of aligned columns, the first left-aligned and the others right-aligned."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in rows]

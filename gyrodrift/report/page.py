@@ -11,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from gyrodrift.report.numbers import degrees, minus, significant
+from gyrodrift.values.words import counted
 
 PACKAGE = Path(__file__).parents[1]
 HOME = Path(__file__).parent
@@ -106,11 +107,6 @@ def macro(template: str, name: str) -> Callable[..., Markup]:
     """A macro of a template as a function."""
     function: Callable[..., Markup] = getattr(_environment().get_template(template).module, name)
     return function
-
-
-def counted(count: int, noun: str) -> str:
-    """A number of things in words."""
-    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 UNIT = re.compile(r"\S*\d[\d.,]* (?:deg/s²|deg/s|°/h|deg|ms|min|s|h|Hz|ppm|%|°C|σ)(?![\w/])[^\s\w]*")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gyrodrift import __version__
 from gyrodrift.report.page import Section
+from gyrodrift.values.words import listed
 
 NAMED = 3
 """At most this many folders or files name a set; for more, their folders do, or the first of them."""
@@ -66,7 +67,7 @@ def set_name(paths: Sequence[Path]) -> str:
         names = list(dict.fromkeys(_name(path if path.is_dir() else path.parent) for path in paths))
     if len(names) > NAMED:
         return f"{', '.join(names[:NAMED])} and {len(names) - NAMED} more"
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+    return listed(names)
 
 
 def _name(path: Path) -> str:

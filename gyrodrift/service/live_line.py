@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from math import isfinite
 
 from gyrodrift.io.terminal import line_in_place
-from gyrodrift.io.unwaiting import send_unwaiting
+from gyrodrift.io.waiting import send_unwaiting
 from gyrodrift.link.link import Link
 from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError
 from gyrodrift.values.errors import printable

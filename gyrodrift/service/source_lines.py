@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Mapping
 
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.outputs.net.backlog import Backlog
+from gyrodrift.outputs.net.limits import Backlog
 from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, LineSink, pieces_of
 from gyrodrift.values.sample import Corrected
 

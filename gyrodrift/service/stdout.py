@@ -14,8 +14,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
-from gyrodrift.io.unwaiting import send_unwaiting
-from gyrodrift.io.waiting import POLLOUT, new_poller
+from gyrodrift.io.waiting import POLLOUT, new_poller, send_unwaiting
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError

@@ -4,19 +4,15 @@ The clock is a guess, so its samples are still processed; the warning says that 
 three axes may stop sending its accelerations, or two of its rates. Yaw goes on by fewer measurements.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import hypot, nan
 from typing import Any
 
-from gyrodrift.columns.readings import ReadingJudge, StreamJudge
+from gyrodrift.columns.readings import ReadingJudge, StreamJudge, Tell
 from gyrodrift.filters.run import WITHOUT_AXES_S as LOST_S
 from gyrodrift.link.options import LinkCounters
 from gyrodrift.link.unit_check import SLOWEST_PACE
 from gyrodrift.values.sample import Sample
-
-Tell = Callable[..., Any]
-"""Called with the name of an event and its fields."""
 
 PACE_S, PACE_SAMPLES = 2.0, 10
 PACE_WINDOWS = 2

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
-from gyrodrift.values.nearest import nearest
+from gyrodrift.values.words import nearest
 
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""
@@ -126,7 +126,6 @@ def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
 
 REMEMBERED = 100_000
 """Texts of numbers in the cache; most columns of a session have few different values."""
-
 
 WHOLE = 2.0**53
 """Floats below this represent all integers exactly."""

@@ -58,7 +58,7 @@ def load_session(
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
     if not reference:
         return session
-    from gyrodrift.session.topics.reference import with_reference  # noqa: PLC0415 - imported only for topics
+    from gyrodrift.session.foreign.reference import with_reference  # noqa: PLC0415 - imported only for topics
 
     return with_reference(session, path, reference)
 

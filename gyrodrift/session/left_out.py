@@ -1,7 +1,6 @@
 """Contents of a recording that another format cannot hold."""
 
 from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 
 from mcap.opcode import Opcode
@@ -11,6 +10,7 @@ from gyrodrift.session.foreign.records import ForeignRecord, records
 from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
 from gyrodrift.session.session import TABLE, Session
+from gyrodrift.values.words import counted
 
 OWN_CHANNELS = {READS.name: "read of raw bytes", EVENTS.name: "link event"}
 COMMENTED = (".csv", ".tsv", ".txt", ".log")
@@ -50,15 +50,10 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
     return names
 
 
-def listed(names: Sequence[str]) -> str:
-    """Names as in a sentence: `a, b and c`."""
-    return ", ".join(names[:-1]) + " and " * (len(names) > 1) + "".join(names[-1:])
-
-
 def _comments(source: Path) -> list[str]:
     with source.open("rb") as file:
         lines = sum(line.startswith(b"#") for line in file)
-    return [_counted(lines, "comment line")] if lines else []
+    return [counted(lines, "comment line")] if lines else []
 
 
 def _other_channels(source: Path, session: Session, topic: str | None) -> list[str]:
@@ -71,10 +66,10 @@ def _other_channels(source: Path, session: Session, topic: str | None) -> list[s
     names = [IMU_REST] if any(channel.is_imu for channel in channels if channel.topic == read) else []
     for channel in channels:
         if channel.topic in OWN_CHANNELS:
-            names.append(_counted(channel.count, OWN_CHANNELS[channel.topic]))
+            names.append(counted(channel.count, OWN_CHANNELS[channel.topic]))
         elif channel.topic not in {read, STILLS.name}:
-            names.append(f"{_counted(channel.count, 'message')} on {channel.topic}")
-    return [*names, _counted(contents.attachments, "attachment")] if contents.attachments else names
+            names.append(f"{counted(channel.count, 'message')} on {channel.topic}")
+    return [*names, counted(contents.attachments, "attachment")] if contents.attachments else names
 
 
 def _contents(source: Path) -> ForeignFile:
@@ -96,10 +91,3 @@ def _contents(source: Path) -> ForeignFile:
                 case PlacedRecord():
                     declared.append(ForeignRecord(step.opcode, walk.body(step), is_whole=True))
     return contents_of(declared, counts)
-
-
-def _counted(count: int, noun: str) -> str:
-    first, _, rest = noun.partition(" ")
-    if count == 1:
-        return f"1 {noun}"
-    return f"{count} {first}s {rest}" if rest.startswith("of ") else f"{count} {noun}s"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import isnan, nan
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.damage import RecordingDamage
 from gyrodrift.values.arrays import Floats, Integers, Mask
-from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
+from gyrodrift.values.constants import FULL_TURN_DEG
+from gyrodrift.values.sample import NO_AXES, NO_YAW, DeviceYaw, Inertial, Sample
 
 TABLE = "table"
 """Name of the metadata table about how a table of another program was read."""
-
 
 GYRO_COLUMNS = ("gyro_x_dps", "gyro_y_dps", "gyro_z_dps")
 ACCEL_COLUMNS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
@@ -32,12 +32,6 @@ AXIS_COLUMNS = {
     for index, name in enumerate(names)
 }
 """Array and index of the axis, by the name of the column in a file."""
-
-MISSING = Inertial(nan, nan, nan)
-"""Axes of a sample without them."""
-
-NO_YAW = DeviceYaw(nan, nan, nan)
-"""Result of the device's own filter where a sample has none."""
 
 UPSIDE_DOWN = np.array([1.0, -1.0, -1.0])
 """Factors of x, y and z in a frame that is turned by 180° about x."""
@@ -225,7 +219,7 @@ def axis_columns(axes: Sequence[Inertial | None]) -> dict[str, Floats | None]:
     """Columns of the axes of samples, by name; NaN where a sample has none, empty without any."""
     if not any(inertial is not None for inertial in axes):
         return {}
-    table = np.array([MISSING if inertial is None else inertial for inertial in axes], dtype=np.float64)
+    table = np.array([NO_AXES if inertial is None else inertial for inertial in axes], dtype=np.float64)
     return dict(zip(AXIS_COLUMNS, table.T, strict=True))
 
 
@@ -235,3 +229,14 @@ def device_columns(device_yaws: Sequence[DeviceYaw | None]) -> dict[str, Floats 
         return {}
     table = np.array([device_yaw or NO_YAW for device_yaw in device_yaws], dtype=np.float64)
     return dict(zip(DEVICE_COLUMNS, table.T, strict=True))
+
+
+def unwrapped(angle_deg: Floats) -> Floats:
+    """Unwrap an angle in deg that was recorded from 0 to 360 or from −180 to 180; other angles stay."""
+    is_finite = np.isfinite(angle_deg)
+    angles = angle_deg[is_finite]
+    if not len(angles) or np.ptp(angles) > FULL_TURN_DEG or not np.any(np.abs(np.diff(angles)) > FULL_TURN_DEG / 2.0):
+        return angle_deg
+    result = angle_deg.copy()
+    result[is_finite] = np.unwrap(angles, period=FULL_TURN_DEG)
+    return result

@@ -25,18 +25,20 @@ from firmware_sim.effects.triaxial.vibration import MotorVibration
 from firmware_sim.motion.attitude.generated import REST_S
 from firmware_sim.motion.attitude.profile import AttitudeProfile
 from firmware_sim.rig import Base, Rig, ThreeAxes
-from gyrodrift.simulation.hard_motions import Motions, spin, turns_with_rests
-from gyrodrift.simulation.later import LaterInSpace
+from gyrodrift.simulation.hard_motions import (
+    BIAS_DPS,
+    FLOOR_DPH,
+    NOISE_DPS_RTHZ,
+    STILL_S,
+    LaterInSpace,
+    Motions,
+    spin,
+    turns_with_rests,
+)
 from gyrodrift.simulation.sessions import Simulation
 
-STILL_S = 10.0
 UNDER_WAY_S, MOVES_S, SEARCHED_S = 1.0, 2.5, 300.0
 """A moving version begins this time into the first movement that is so long, s; every motion has one by then."""
-
-BIAS_DPS = 0.5
-NOISE_DPS_RTHZ = (0.003, 0.01)
-FLOOR_DPH = (4.0, 40.0)
-"""Standard deviation of the power-on bias, and ranges of noise and bias instability: those of one axis."""
 
 ERRORS: tuple[tuple[type[TriaxialEffect], float], ...] = (
     (GyroGSensitivity, 0.05),

@@ -25,7 +25,12 @@ from firmware_sim.rig import Base, Rig
 from gyrodrift.io.files import write_whole
 from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
+    BIAS_DPS,
+    FLOOR_DPH,
+    NOISE_DPS_RTHZ,
     RAMP_S,
+    STILL_S,
+    Later,
     Motions,
     either_sign,
     slow_curves,
@@ -33,19 +38,10 @@ from gyrodrift.simulation.hard_motions import (
     turns_with_rests,
     turns_without_rests,
 )
-from gyrodrift.simulation.later import Later
 from gyrodrift.simulation.sessions import Simulation, rig_yaml, write_simulation
 
-STILL_S = 10.0
 SESSIONS = 10
 MINUTES = 10.0
-
-BIAS_DPS = 0.5
-"""Standard deviation of the power-on bias of low-cost parts after a coarse calibration."""
-
-NOISE_DPS_RTHZ = (0.003, 0.01)
-FLOOR_DPH = (4.0, 40.0)
-"""Ranges of noise and bias instability in data sheets of low-cost parts."""
 
 MOVES_DPS = 1.0
 """A drive counts as moving above this rate."""

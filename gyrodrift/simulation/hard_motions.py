@@ -1,20 +1,87 @@
-"""The motions of the hard cases: turns with rests, turns without, a constant spin, a drive with slow curves."""
+"""The motions of the hard cases: turns with rests, turns without, a constant spin, a drive with slow curves.
+
+`Later` and `LaterInSpace` are motions that begin at another time of a profile.
+"""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.effects.effect import Rng
-from firmware_sim.motion.profile import Segment
+from firmware_sim.effects.effect import Floats, Rng
+from firmware_sim.motion.attitude.kinematics import Kinematics
+from firmware_sim.motion.profile import AttitudeProfile, Profile, Segment
 from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest
 
 RAMP_S = 1.0
+
+STILL_S = 10.0
+"""Rest at the beginning of the version `still`, s."""
+
+BIAS_DPS = 0.5
+"""Standard deviation of the power-on bias of low-cost parts after a coarse calibration."""
+
+NOISE_DPS_RTHZ = (0.003, 0.01)
+FLOOR_DPH = (4.0, 40.0)
+"""Ranges of noise and bias instability in data sheets of low-cost parts."""
+
 SLOWEST_DPS, FASTEST_DPS = 5.0, 180.0
+
 STOP_EVERY = 15
 """Moves between two stops of a motion with few rests: a stop every 1.5 minutes."""
 
 Motions = Callable[[Rng, float], tuple[Segment, ...]]
 """Gives segments of at least so many seconds in all; the first starts from rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Later:
+    """A profile from `start_s` on, with a device that is switched on at that moment."""
+
+    profile: Profile
+    start_s: float
+
+    @property
+    def powered_s(self) -> float:
+        """Time since power-on at the start, s."""
+        return self.profile.powered_s
+
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Angle in deg, 0 at the start, and rate in deg/s."""
+        angle_deg, rate_dps = self.profile.motion_at(t_s + self.start_s)
+        return angle_deg - self.profile.motion_at(np.array([self.start_s]))[0], rate_dps
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature of the sensor, °C."""
+        return self.profile.sensor_c_at(t_s)
+
+
+@dataclass(frozen=True, slots=True)
+class LaterInSpace:
+    """An attitude profile from `start_s` on; a negative one adds a rest before it."""
+
+    profile: AttitudeProfile
+    start_s: float
+
+    @property
+    def powered_s(self) -> float:
+        """Time since power-on at the start, s."""
+        return self.profile.powered_s
+
+    def kinematics_at(self, t_s: Floats) -> Kinematics:
+        """True motion of the sensor; its heading is 0 at the start."""
+        motion = self.profile.kinematics_at(t_s + self.start_s)
+        start_deg = self.profile.kinematics_at(np.array([self.start_s])).heading_deg
+        return motion.with_yaw(np.repeat(-start_deg, len(t_s)))
+
+    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
+        """Heading in deg, 0 at the start, and rate about the z axis of the sensor in deg/s."""
+        motion = self.kinematics_at(t_s)
+        return motion.heading_deg, motion.rates_dps[:, 2]
+
+    def sensor_c_at(self, t_s: Floats) -> Floats:
+        """Temperature of the sensor, °C."""
+        return self.profile.sensor_c_at(t_s)
 
 
 def either_sign(rng: Rng) -> float:

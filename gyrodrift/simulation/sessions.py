@@ -1,4 +1,8 @@
-"""Sessions of the simulated rig, as the host would have recorded them, without waiting for real time."""
+"""Sessions of the simulated rig, as the host would have recorded them, without waiting for real time.
+
+A session holds what a device sends. The truth is what no device knows: the orientation of the sensor at each sample. It
+stands beside a session of three axes as numpy arrays in `NAME.truth.npz`.
+"""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -12,16 +16,15 @@ from numpy.typing import NDArray
 from firmware_sim.measure import ACCEL_MISSING, Block, Motion, TriaxialBlock, measure
 from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base, Rig
-from gyrodrift.io.files import write_whole
+from firmware_sim.triaxial import kinematics_of
+from gyrodrift.io.files import whole_file, write_whole
 from gyrodrift.io.progress import OnProgress, counted, ignore_progress
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import DEVICE_COLUMNS, Session
-from gyrodrift.simulation.truth import write_truth
 from gyrodrift.values.arrays import Floats
 
 RIG = "rig.yaml"
 """Name of the rig file beside the sessions simulated with it."""
-
 
 SIMULATED = (
     "t_device_s",
@@ -35,6 +38,11 @@ SIMULATED = (
     *DEVICE_COLUMNS,
 )
 """Arrays of a simulated session."""
+
+ENDING = ".truth.npz"
+
+CHUNK_SAMPLES = 1 << 14
+"""Samples that are computed together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,3 +191,23 @@ def euler_error_deg(session: Session) -> Floats:
     steps_s = np.diff(session.t_device_s, prepend=session.t_device_s[0])
     error_deg: Floats = np.cumsum(session.rate_dps * steps_s) - (session.encoder_deg - session.encoder_deg[0])
     return error_deg
+
+
+def truth_path(session: Path) -> Path:
+    """Path of the truth of a session."""
+    return session.with_suffix(ENDING)
+
+
+def write_truth(session: Path, motion: Motion, seq: NDArray[np.int64], sample_rate_hz: float) -> None:
+    """Write the truth at the samples of a session.
+
+    The arrays: seq (n,), t_s (n,) since the beginning, s, and quaternion (n, 4), the rotation w, x, y, z from sensor
+    to earth.
+    """
+    t_s = seq / sample_rate_hz
+    parts = [
+        kinematics_of(motion, t_s[first : first + CHUNK_SAMPLES]).quaternion
+        for first in range(0, len(t_s), CHUNK_SAMPLES)
+    ]
+    with whole_file(truth_path(session)) as file:
+        np.savez_compressed(file, seq=seq, t_s=t_s, quaternion=np.concatenate(parts).astype(np.float32))

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.evaluation.curves import YawCurves
-from gyrodrift.evaluation.dataset import SessionSummary, Split
+from gyrodrift.evaluation.dataset import SessionSummary, Split, YawCurves
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import Filter, FilterParams

@@ -8,8 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from gyrodrift.evaluation.cost import Scores
-from gyrodrift.evaluation.curves import YawCurves, yaw_curves
-from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, Split, check_rates
+from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, Split, YawCurves, check_rates, yaw_curves
 from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of

@@ -4,7 +4,7 @@ from math import nan
 from typing import Literal, NamedTuple, get_args
 
 AidKind = Literal["standing", "heading", "turn_rate", "wheels", "speed"]
-"""What a second source measures."""
+"""Kinds of measurements of a second source."""
 
 AID_KINDS: tuple[AidKind, ...] = get_args(AidKind)
 
@@ -24,7 +24,7 @@ class Aid(NamedTuple):
         turn_rate
             Rate about the vertical, deg/s, counter-clockwise positive.
         wheels
-            Speed of the right wheel minus that of the left wheel, in any unit; the track may be unknown.
+            Speed of the right wheel minus that of the left wheel, in any unit: the track is unknown, too.
         speed
             Speed of the device, m/s.
     t_s

@@ -46,3 +46,6 @@ STANDARD_GRAVITY_MPS2 = 9.80665
 
 US_PER_S = 1e6
 """Microseconds in a second."""
+
+REPEATED_PERIODS = 8.0
+"""Longest step back of a clock that is a repeated or swapped reading, in periods; a longer one means a restart."""

@@ -23,6 +23,10 @@ class Inertial(NamedTuple):
     accel_z_mps2: float = nan
 
 
+NO_AXES = Inertial(*(nan,) * len(Inertial._fields))
+"""Axes of a sample without them."""
+
+
 def upside_down(inertial: Inertial) -> Inertial:
     """Axes in a frame that is turned by 180° about x, as FRD from FLU: y and z change their sign."""
     x_dps, y_dps, z_dps, x_mps2, y_mps2, z_mps2 = inertial
@@ -45,6 +49,10 @@ class DeviceYaw(NamedTuple):
     yaw_deg: float
     yaw_sigma_deg: float
     bias_dps: float
+
+
+NO_YAW = DeviceYaw(nan, nan, nan)
+"""Result of the device's own filter where a sample has none."""
 
 
 class Reading(NamedTuple):

@@ -15,8 +15,7 @@ from support import Command, Terminal, ended_here, ours
 
 from gyrodrift.demo import show
 from gyrodrift.demo.show import run_demo, save_svg
-from gyrodrift.demo.view import Size, draw
-from gyrodrift.demo.yaw_error import YawError
+from gyrodrift.demo.view import Size, YawError, draw
 
 SIZES = [(60, 15), (61, 16), (80, 24), (100, 30), (133, 41), (250, 80)]
 

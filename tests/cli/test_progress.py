@@ -19,7 +19,7 @@ from support import PATIENCE_S, Terminal, ours, quick
 from gyrodrift.cli import main
 from gyrodrift.io.progress import Progress
 from gyrodrift.tune.choice import TotalProgress
-from gyrodrift.tune.plans import plans_of
+from gyrodrift.tune.options import plans_of
 from gyrodrift.tune.tuning import Plan
 
 

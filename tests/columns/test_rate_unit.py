@@ -10,7 +10,8 @@ from random import Random
 import pytest
 from recordings_support import Recordings
 
-from gyrodrift.columns.rate_unit import SURE_ODDS, WINDOW, RateUnit, RateUnitOdds
+from gyrodrift.columns.rate_unit import SURE_ODDS, RateUnit, RateUnitOdds
+from gyrodrift.columns.sizes import WINDOW
 from gyrodrift.values.sample import Sample
 
 RATE_HZ = 100.0

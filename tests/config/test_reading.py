@@ -14,10 +14,9 @@ import pytest
 from support import PATIENCE_S
 
 from gyrodrift import __version__
-from gyrodrift.config import in_time, reading
-from gyrodrift.config.in_time import load_in_time
+from gyrodrift.config import reading
 from gyrodrift.config.model import Config, load_config
-from gyrodrift.config.reading import ConfigReading
+from gyrodrift.config.reading import ConfigReading, load_in_time
 from gyrodrift.values.errors import ConfigError
 
 HDR = "hdr: {i_c_dps: 0.001, tau_s: 1, theta_w_dps: 1, c1: 0, c2: 1}\n"
@@ -84,8 +83,8 @@ def test_a_config_that_takes_more_than_a_second_of_processor_time_is_refused(
 ) -> None:
     """A config that takes more than 1 s of processor time to read is refused."""
     before = signal.getsignal(signal.SIGPROF)
-    monkeypatch.setattr(in_time, "load_config", busy)
-    monkeypatch.setattr(in_time, "MOST_CPU_S", 0.05)
+    monkeypatch.setattr(reading, "load_config", busy)
+    monkeypatch.setattr(reading, "MOST_CPU_S", 0.05)
     with pytest.raises(ConfigError, match=r"c\.yaml: takes too long to read: more than 0\.05 s of processor time"):
         load_in_time(path)
     assert signal.getsignal(signal.SIGPROF) is before

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.evaluation.curves import yaw_curves
-from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary
+from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, yaw_curves
 from gyrodrift.evaluation.reference import timed_reference_of
 from gyrodrift.session.session import Session
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.evaluation.heading import heading_deg
+from gyrodrift.compare.methods.six_axes import heading_deg
 
 
 def test_heading_counts_whole_turns() -> None:

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from gyrodrift.evaluation.kernels.hdr import yaw
 from gyrodrift.evaluation.reference import accepted, reference_of
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("scipy", reason="comparing needs the workstation extra")
 from gyrodrift.evaluation.reference import Reference
-from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, normal_crps, uncertainty_of
+from gyrodrift.evaluation.score import Uncertainty, mean_uncertainty, normal_crps, uncertainty_of
 
 
 def reference(reference_deg: list[float]) -> Reference:

@@ -3,8 +3,10 @@
 #include "restlevel_params.h"
 
 #define STATE gd_attitude
-#define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted */
+#define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
+                    or -10000 + turn rate */
 #define OUTPUTS 24
+#define WORK gd_attitude_work
 
 static int begin(gd_attitude *a, const double *params) {
   gd_restlevel_params p;
@@ -24,6 +26,10 @@ static void command(gd_attitude *a, const double *input) {
     gd_attitude_gap(a);
   } else if (input[7] == 3.0) {
     gd_attitude_restarted(a);
+  } else if (input[7] >= 1000.0) {
+    gd_attitude_heading(a, (gd_real)(input[7] - 10000.0), (gd_real)2.0, (gd_real)360.0);
+  } else if (input[7] <= -1000.0) {
+    gd_attitude_turn_rate(a, (gd_real)(input[7] + 10000.0), (gd_real)0.5);
   }
 }
 

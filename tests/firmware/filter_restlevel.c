@@ -3,8 +3,10 @@
 #include "restlevel_params.h"
 
 #define STATE gd_restlevel
-#define INPUTS 4 /* rate, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted */
+#define INPUTS 4 /* rate, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
+                    or -10000 + turn rate */
 #define OUTPUTS 12
+#define WORK gd_restlevel_work
 
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;
@@ -18,6 +20,10 @@ static void command(gd_restlevel *r, const double *input) {
     gd_restlevel_gap(r);
   } else if (input[3] == 3.0) {
     gd_restlevel_restarted(r);
+  } else if (input[3] >= 1000.0) {
+    gd_restlevel_heading(r, (gd_real)(input[3] - 10000.0), (gd_real)2.0, (gd_real)360.0);
+  } else if (input[3] <= -1000.0) {
+    gd_restlevel_turn_rate(r, (gd_real)(input[3] + 10000.0), (gd_real)0.5);
   }
 }
 

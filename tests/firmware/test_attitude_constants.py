@@ -46,6 +46,9 @@ OWN = {
     "PIVOT_SHARE": "inverse of a matrix",
     "QUIET_BLOCKS": "KINDS",
     "BRIEF_BLOCKS": "KINDS",
+    "ROW": "a row of a covariance",
+    "QUEUE": "samples that wait for portions of work",
+    "SAMPLES_PER_PORTION": "samples that wait for portions of work",
 }
 """Constants that only C has, with what they are of."""
 

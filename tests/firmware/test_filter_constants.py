@@ -32,7 +32,9 @@ ABSENT = {
 OWN = {
     "GD_PI",
     "GD_RESTLEVEL_HYPOTHESES",
+    "GD_RESTLEVEL_WORK",
     "GD_RL_DEFAULT_PARTS",
+    "GD_FAR_S",
     "GD_NEVER",
     "GD_LOG_USUAL_NOISE",
     "GD_RL_BASE_DEG",

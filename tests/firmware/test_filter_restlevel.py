@@ -4,7 +4,8 @@ from math import inf, nan
 
 import numpy as np
 import pytest
-from c_filter_support import CFilter, CFilters, FilterOutput
+from c_attitude_support import samples as inertial
+from c_filter_support import INTERLEAVINGS, CFilter, CFilters, FilterOutput, assert_portions_change_nothing
 from c_restlevel_sessions import SESSIONS, plain, with_temperature_and_rest_sensor
 from c_restlevel_support import BIAS, SIGMA, YAW, in_python, samples, values_of
 from hypothesis import given
@@ -20,6 +21,9 @@ from gyrodrift.values.arrays import Floats
 
 FLOAT_DEG_H = 0.01
 """Largest yaw difference of a float, deg for each hour begun."""
+
+CORRECTION = 10
+"""Column of the correction in the last sample."""
 
 FUSED_DEG = 1e-9
 """Largest difference by fused operations in double, deg."""
@@ -228,3 +232,58 @@ def test_any_number_of_hypotheses_runs(c_filters: CFilters, hypotheses: int) -> 
     rows = library.run(t_s, inputs).rows
     assert np.isfinite(rows).all()
     assert (rows[:, SIGMA] >= 0.0).all()
+
+
+PAUSES = {"40 minutes": 2400.0, "two hours": 7200.0, "the clock begins again": -25.0}
+
+
+def with_a_pause(t_s: Floats, pause_s: float) -> Floats:
+    """Stamps of the 32-bit clock, in us, with a pause in the middle."""
+    t_us = np.rint(t_s * 1e6) + np.where(t_s >= t_s[len(t_s) // 2], pause_s * 1e6, 0.0)
+    return np.asarray(t_us % 2.0**32)
+
+
+@pytest.mark.parametrize("name", ["hdr", "restlevel", "attitude"])
+@pytest.mark.parametrize("pause_s", PAUSES.values(), ids=PAUSES)
+def test_a_pause_of_any_length_refuses_one_sample(c_filters: CFilters, name: str, pause_s: float) -> None:
+    """Yaw is held over it, and its sigma says what may have happened."""
+    t_s, library = np.arange(6000) / 100.0, c_filters.get(f"filter_{name}.c", "float")
+    inputs = inputs_at_rest(name, len(t_s))
+    output = library.run(with_a_pause(t_s, pause_s), inputs, is_us=True)
+    assert output.taken.sum() >= len(t_s) - 1
+    assert np.abs(np.diff(output.rows[2900:3100, YAW])).max() < 0.1
+    if name != "hdr":
+        assert output.rows[2999, SIGMA] < 5.0 < 50.0 < output.rows[3001, SIGMA]
+
+
+@pytest.mark.parametrize("name", ["hdr", "restlevel", "attitude"])
+@pytest.mark.parametrize("off_s", [300.0, -300.0, 3000.0])
+def test_one_bad_stamp_costs_one_sample(c_filters: CFilters, name: str, off_s: float) -> None:
+    t_s, library = np.arange(6000) / 100.0, c_filters.get(f"filter_{name}.c", "float")
+    inputs, t_us = inputs_at_rest(name, len(t_s)), 1e9 + np.rint(t_s * 1e6)
+    usual = library.run(t_us, inputs, is_us=True)
+    t_us[3000] += off_s * 1e6
+    output = library.run(t_us % 2.0**32, inputs, is_us=True)
+    assert output.taken.sum() >= len(t_s) - 1
+    assert np.abs(output.rows[-1, YAW] - usual.rows[-1, YAW]) < 0.1
+    assert name == "hdr" or output.rows[-1, SIGMA] < usual.rows[-1, SIGMA] + 0.1
+
+
+def inputs_at_rest(name: str, count: int) -> Floats:
+    """Inputs of a filter at rest: a bias of 0.3 deg/s and noise."""
+    noise = np.random.default_rng(8).normal(0.0, 0.05, (count, 6))
+    if name == "hdr":
+        return np.asarray(0.3 + noise[:, 0])
+    if name == "restlevel":
+        return samples(0.3 + noise[:, 0])
+    return inertial(0.3 + noise[:, :3], noise[:, 3:] + (0.0, 0.0, 9.81))
+
+
+@pytest.mark.parametrize("interleaving", INTERLEAVINGS)
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("session", ["50 Hz", "restarts", "temperature and rest sensor", "zeroed", "huge"])
+def test_work_in_portions_gives_the_same_bits(c_filters: CFilters, session: str, real: str, interleaving: str) -> None:
+    """Whenever no work is left, all outputs are those of the filter that does the work at the end of a block."""
+    assert_portions_change_nothing(
+        c_filters.get("filter_restlevel.c", real), *SESSIONS[session](), interleaving, CORRECTION
+    )

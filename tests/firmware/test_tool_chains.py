@@ -31,8 +31,8 @@ FLASH = 32 * 1024 - 512
 """Flash of an Uno without its boot loader, bytes."""
 
 UNO_RAM = 2048
-STACK = 800
-"""Memory for the stack on an Uno, bytes: 713 of restlevel (benchmark/bench/test_filter_cycles.py), and interrupts."""
+STACK = 350
+"""Memory for the stack on an Uno, bytes: 258 of restlevel (benchmark/bench/test_filter_cycles.py), and interrupts."""
 
 FIELDS = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures"}
 """Required in library.properties (Arduino library specification)."""

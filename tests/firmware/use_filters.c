@@ -30,6 +30,9 @@ gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_d
   gd_restlevel_gap(r);
   gd_restlevel_restarted(r);
 #endif
+#if GD_RESTLEVEL_WORK
+  gd_restlevel_work(r);
+#endif
   if (gd_restlevel_update(r, t_s, rate_dps) && gd_restlevel_update_us(r, t_us, rate_dps)) {
     gd_restlevel_zero(r);
   }
@@ -41,9 +44,10 @@ gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gy
 gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]) {
   if (gd_attitude_init(a, NULL) && gd_attitude_update(a, t_s, gyro_dps, accel_mps2) &&
       gd_attitude_update_us(a, t_us, gyro_dps, accel_mps2)) {
+    gd_attitude_work(a);
     gd_attitude_gap(a);
     gd_attitude_restarted(a);
     gd_attitude_zero(a);
   }
-  return a->yaw_deg + a->yaw_sigma_deg + a->bias_dps + a->bias_xyz_dps[0] + a->tilt_deg + a->tilt_sigma_deg;
+  return a->yaw_deg + a->yaw_sigma_deg + a->bias_dps + gd_roll_deg(a->q) + gd_pitch_deg(a->q) + a->bias_xyz_dps[0] + a->tilt_deg + a->tilt_sigma_deg;
 }

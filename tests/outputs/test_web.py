@@ -25,7 +25,7 @@ from websockets.sync.client import ClientConnection, connect
 from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
-from gyrodrift.outputs.web.buttons import MOST_PENDING, is_local
+from gyrodrift.outputs.web.output import MOST_PENDING, is_local
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, THREE_AXES, PointHistory
 from gyrodrift.service.commands import page_url
 from gyrodrift.service.control import CommandError

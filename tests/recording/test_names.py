@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.recording.names import recording_path
+from gyrodrift.recording.recorder import recording_path
 
 BEGUN = datetime(2026, 5, 1, 12, 30, tzinfo=UTC)
 

@@ -19,8 +19,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording import disk, recorder
 from gyrodrift.recording.disk import DiskFile, RecordingError
-from gyrodrift.recording.names import recording_path
-from gyrodrift.recording.recorder import Recorder, RecordOptions
+from gyrodrift.recording.recorder import Recorder, RecordOptions, recording_path
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample

@@ -14,8 +14,7 @@ from support import quick
 import gyrodrift
 from gyrodrift.cli import main
 from gyrodrift.session.files import load_session
-from gyrodrift.session.topics.messages import ORIENTATIONS
-from gyrodrift.session.topics.reference import at_samples, question_of
+from gyrodrift.session.foreign.reference import ORIENTATIONS, at_samples, question_of
 from gyrodrift.values.errors import DataError, UsageError
 
 rosbag1 = pytest.importorskip("rosbags.rosbag1")

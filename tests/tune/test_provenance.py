@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from gyrodrift.compare.tuning import TunedSession, TuningProvenance, read_provenance
 from gyrodrift.evaluation.dataset import Split
-from gyrodrift.tune.provenance import TunedSession, TuningProvenance, read_provenance
 
 ROOT = Path(__file__).parents[2]
 SESSIONS = "sessions: [{name: a, split: train, sha256: ab}, {name: b, split: test, sha256: cd}]"

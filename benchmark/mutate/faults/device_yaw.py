@@ -2,7 +2,7 @@
 
 from mutate.fault import Fault
 
-PROTOCOL = "gyrodrift/link/protocols/native_yaw.py"
+PROTOCOL = "gyrodrift/link/protocols/native.py"
 WIRE_TESTS = ("tests/link/protocols/test_native_yaw.py",)
 FILE_TESTS = ("tests/session/test_device_yaw.py",)
 SERVICE_TESTS = ("tests/service/test_device_yaw.py",)
@@ -75,7 +75,7 @@ FAULTS = (
     ),
     Fault(
         "device-yaw/zero-of-the-device",
-        "gyrodrift/compare/methods/on_device.py",
+        "gyrodrift/compare/methods/filter_method.py",
         "device.yaw_deg - device.yaw_deg[0]",
         "device.yaw_deg",
         "The yaw since power-on is scored in place of that since the first sample.",

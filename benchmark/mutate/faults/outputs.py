@@ -79,7 +79,7 @@ FAULTS = (
     ),
     Fault(
         "outputs/backlog-drops-newest",
-        f"{OUTPUTS}/net/backlog.py",
+        f"{OUTPUTS}/net/limits.py",
         "            oldest, count = self._waiting.popleft()\n",
         "            oldest, count = self._waiting.pop()\n",
         "A slow client gets the oldest messages and loses the newest.",
@@ -87,7 +87,7 @@ FAULTS = (
     ),
     Fault(
         "outputs/backlog-told-twice",
-        f"{OUTPUTS}/net/backlog.py",
+        f"{OUTPUTS}/net/limits.py",
         "        untold, self.untold = self.untold, 0\n        return untold\n",
         "        return self.untold\n",
         "A slow client is told the same losses over and over.",
@@ -183,7 +183,7 @@ FAULTS = (
     ),
     Fault(
         "outputs/rosbridge-throttle-unit",
-        f"{OUTPUTS}/rosbridge_session.py",
+        f"{OUTPUTS}/rosbridge.py",
         "throttle_s = _throttle_ms(request) / 1000.0",
         "throttle_s = _throttle_ms(request) / 100.0",
         "Messages come ten times less often than asked for.",

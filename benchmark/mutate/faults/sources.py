@@ -32,7 +32,7 @@ FAULTS = (
     ),
     Fault(
         "sources/telnet-keeps-doubled-255",
-        f"{SOURCES}/telnet.py",
+        f"{SOURCES}/rfc2217.py",
         'parts.append(match["doubled"])',
         'parts.append(2 * match["doubled"])',
         "A byte 255 arrives twice through RFC 2217.",

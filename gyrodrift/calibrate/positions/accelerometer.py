@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.calibrate.positions.block import AxesRest
-from gyrodrift.calibrate.positions.sides import listed, missing_sides, side_up
+from gyrodrift.calibrate.positions.block import AxesRest, missing_sides, side_up
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.words import listed
 
 STABILITY_MPS2 = 0.005
 """Smallest standard deviation of a rest, m/s²: offsets of MEMS change by 0.5 mg within minutes. Chosen."""

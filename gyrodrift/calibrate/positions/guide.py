@@ -10,12 +10,10 @@ from typing import Any
 
 from gyrodrift.calibrate.guide import GuideStep, Key
 from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit, check_size
-from gyrodrift.calibrate.positions.block import AxesRest
+from gyrodrift.calibrate.positions.block import AXES, TILT_MAX_DEG, AxesRest, SideUp, side_up
 from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, check_axes
-from gyrodrift.calibrate.positions.measurements import MeasuredTurn, Measurements, over
-from gyrodrift.calibrate.positions.motion import AxesMove, move_between
+from gyrodrift.calibrate.positions.measurements import AxesMove, MeasuredTurn, Measurements, move_between, over
 from gyrodrift.calibrate.positions.rests import Laid, RestFinder
-from gyrodrift.calibrate.positions.sides import AXES, TILT_MAX_DEG, SideUp, side_up
 from gyrodrift.calibrate.scale import Turns, check_turns
 from gyrodrift.values.calibration import Calibration
 from gyrodrift.values.errors import CalibrationError

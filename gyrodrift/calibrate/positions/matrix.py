@@ -17,9 +17,10 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.calibrate.positions.sides import AXES, listed
+from gyrodrift.calibrate.positions.block import AXES
 from gyrodrift.values.arrays import Floats, Integers
 from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.words import listed
 
 SPREAD_MAX = 0.01
 """Largest standard error of an entry: data sheets promise 2 % across and 3 % along without calibration."""

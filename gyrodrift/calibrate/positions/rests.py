@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest, block_of, rest_of_blocks
+from gyrodrift.calibrate.rest import BIAS_MAX_DPS, BLOCK_SAMPLES_MIN
 from gyrodrift.facts.arrays import smallest_step, white_noise
 from gyrodrift.facts.still import StillRule, has_hole
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Sample
 
 BLOCK_S = 0.25
-BLOCK_SAMPLES_MIN = 5
 
 SHAKING_BLOCKS = 1
 """Blocks after the hand has left that do not count: the table still shakes."""
@@ -27,9 +27,6 @@ STILL_GYRO = StillRule(level=0.5, level_errors=6.0, scatter=0.3, scatter_sigmas=
 STILL_ACCEL = StillRule(level=0.1, level_errors=6.0, scatter=0.25, scatter_sigmas=3.0)
 """A hand that holds the board shakes by 1 deg/s and 0.3 m/s² (physiological tremor, 8 to 12 Hz); the floor of the
 acceleration is above steps of 10 bits."""
-
-BIAS_MAX_DPS = 30.0
-"""Above the zero rate of all data sheets (MPU-6050: 20 deg/s)."""
 
 BIAS_CHANGE_DPS = 2.0
 """Largest change of the bias from the first rest: 0.1 deg/s/g by gravity (MPU-6050, 6.1), and warming."""

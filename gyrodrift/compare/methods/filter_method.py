@@ -1,6 +1,7 @@
-"""HDR, restlevel and registered filters as methods. Their kernels equal their `step` bit for bit.
+"""HDR, restlevel and registered filters as methods, and the filter that a device runs itself.
 
-On three axes restlevel is the attitude filter. Other filters run on the rate of the heading.
+The kernels of filters equal their `step` bit for bit. On three axes restlevel is the attitude filter. Other filters run
+on the rate of the heading.
 """
 
 from dataclasses import asdict, replace
@@ -11,7 +12,7 @@ import numpy as np
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
 from gyrodrift.evaluation.attitude import AttitudeHistory, attitude_history
-from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, InertialColumns
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns
 from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.space import axes_of, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
@@ -62,3 +63,29 @@ def attitude_method(axes: InertialColumns, auxiliary: Auxiliary) -> Method:
         return history(t_s.tobytes(), tuple(params.values())).yaw_sigma_deg
 
     return replace(filter_method(RESTLEVEL), run=run, sigma=sigma)
+
+
+def missing_yaw(_t_s: Floats, _rate_dps: Floats, _params: Params) -> Floats:
+    """No yaw for a device without a filter."""
+    raise ValueError("the method needs the yaw of the device's own filter")
+
+
+def recorded(device: DeviceColumns) -> Method:
+    """The method for the columns of a session."""
+    return replace(
+        ON_DEVICE,
+        run=lambda _t_s, _rate_dps, _params: device.yaw_deg - device.yaw_deg[0],
+        sigma=lambda _t_s, _rate_dps, _params: device.yaw_sigma_deg,
+    )
+
+
+ON_DEVICE = Method(
+    "on-device",
+    "on-device",
+    missing_yaw,
+    about="The filter that the device runs itself: its yaw and sigma as recorded, held where a sample has none.",
+    needs_device_yaw=True,
+    with_device_yaw=recorded,
+    color="two",
+    dash="--",
+)

@@ -3,13 +3,10 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from gyrodrift.compare.methods.filter_method import filter_method
-from gyrodrift.compare.methods.fusion import run_fusion
-from gyrodrift.compare.methods.kalman import run_kalman
+from gyrodrift.compare.methods.filter_method import ON_DEVICE, filter_method
 from gyrodrift.compare.methods.method import Method, Params
-from gyrodrift.compare.methods.on_device import ON_DEVICE
-from gyrodrift.compare.methods.plain import run_euler, run_start_calibration
-from gyrodrift.compare.methods.sign import run_sign
+from gyrodrift.compare.methods.packages import run_fusion, run_vqf, run_vqf_offline
+from gyrodrift.compare.methods.plain import run_euler, run_kalman, run_sign, run_start_calibration
 from gyrodrift.compare.methods.six_axes import (
     fusion_heading,
     madgwick_heading,
@@ -17,7 +14,6 @@ from gyrodrift.compare.methods.six_axes import (
     vqf_heading,
     vqf_offline_heading,
 )
-from gyrodrift.compare.methods.vqf import run_vqf, run_vqf_offline
 from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import FilterParams

@@ -8,8 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry, ParamsFrom
-from gyrodrift.compare.report.files import best_of, cells, e_cell, uncertainty_cells
-from gyrodrift.compare.report.sources import shared
+from gyrodrift.compare.report.files import best_of, cells, e_cell, shared, uncertainty_cells
 from gyrodrift.evaluation.score import Score
 from gyrodrift.report.numbers import factor_label, log_share, significant
 from gyrodrift.report.page import Section, bold, macro, marked

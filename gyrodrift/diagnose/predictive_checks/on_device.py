@@ -7,9 +7,8 @@ from pathlib import Path
 from gyrodrift.evaluation.attitude import attitude_history
 from gyrodrift.evaluation.dataset import LoadedSession, Source, load_with_reference
 from gyrodrift.evaluation.kernels.kernel import kernel_of
-from gyrodrift.evaluation.score import mean_score, score_of
+from gyrodrift.evaluation.score import Uncertainty, mean_score, mean_uncertainty, score_of, uncertainty_of
 from gyrodrift.evaluation.space import row_of
-from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.values.arrays import Floats

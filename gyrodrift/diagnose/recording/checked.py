@@ -15,8 +15,8 @@ from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
+from gyrodrift.session.foreign.reference import question_of
 from gyrodrift.session.session import Session
-from gyrodrift.session.topics.reference import question_of
 from gyrodrift.values.arrays import Floats, Integers, Mask
 from gyrodrift.values.errors import DataError
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from gyrodrift.diagnose.recording.numbering import number_samples
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
-from gyrodrift.session.angles import unwrapped
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
@@ -17,7 +16,6 @@ reference may have turned for years."""
 
 SHORTEST_S, LONGEST_S = 1e-5, 1.0
 """Limits of the sample period, a little wider than those of a rig."""
-
 
 EVEN_STAMPS = 0.1
 """Largest standard deviation of a stamp, in sample periods, that still numbers the samples. A missing sample shows from

@@ -13,8 +13,7 @@ from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.io.files import write_whole
-from gyrodrift.report.files import write_json
-from gyrodrift.report.numbers import significant
+from gyrodrift.report.numbers import significant, write_json
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary."""

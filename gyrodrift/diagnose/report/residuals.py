@@ -8,7 +8,8 @@ from gyrodrift.diagnose.report.charts import dependence_chart, over_time_chart, 
 from gyrodrift.diagnose.report.text import marks, number
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.report.numbers import significant
-from gyrodrift.report.page import Section, counted, marked, titled
+from gyrodrift.report.page import Section, marked, titled
+from gyrodrift.values.words import counted
 
 NAMED = 3
 """Largest number of dependences in the introduction."""

@@ -17,8 +17,7 @@ from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.io.cluster import ClusterWorkers
-from gyrodrift.io.parallel import workers
+from gyrodrift.io.parallel import ClusterWorkers, workers
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.values.arrays import Floats

@@ -5,8 +5,7 @@ from math import hypot, isnan, pi
 
 import numpy as np
 
-from gyrodrift.doctor.check import checks_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of
 from gyrodrift.doctor.finding import DeviceFinding, error, ok, warning
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun

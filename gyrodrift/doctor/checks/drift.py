@@ -9,8 +9,7 @@ from functools import partial
 from math import hypot, isfinite, sqrt
 from typing import Any
 
-from gyrodrift.doctor.check import Check, checks_of, rest_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import Check, DeviceEvidence, checks_of, rest_of
 from gyrodrift.doctor.finding import DeviceFinding, note, ok
 from gyrodrift.evaluation.reference import accepted
 from gyrodrift.facts.session_facts import StillRate

@@ -2,8 +2,7 @@
 
 from gyrodrift.columns.accel_axes import AGREES, Agreement
 from gyrodrift.columns.sizes import gravity_unit
-from gyrodrift.doctor.check import checks_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
 from gyrodrift.facts.gravity import GravitySummary
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2

@@ -2,8 +2,7 @@
 
 from functools import partial
 
-from gyrodrift.doctor.check import Check, checks
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import Check, DeviceEvidence, checks
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.link.port import USUAL_BAUDS
 from gyrodrift.outputs import health

@@ -4,8 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.doctor.check import checks_of, rest_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of, rest_of
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
 from gyrodrift.facts.session_facts import StillRate
 from gyrodrift.facts.spectrum import RestSpectrum

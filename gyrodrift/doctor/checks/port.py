@@ -2,8 +2,7 @@
 
 import os
 
-from gyrodrift.doctor.check import checks
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks
 from gyrodrift.doctor.finding import DeviceFinding, error, note, of_error, ok, sentence, warning
 from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortDeniedError, UnitError
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from gyrodrift.describe.text import NOISY_DPS
-from gyrodrift.doctor.check import checks_of, facts_of, rest_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of, facts_of, rest_of
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.doctor.sensors import with_step
 from gyrodrift.facts.rests import RestSource
@@ -25,7 +24,6 @@ An MPU-6050 may change its bias by 0.16 deg/s per °C.
 
 MOVED_SIGMAS, MOVED_DPS = 6.0, 0.003
 """A bias has moved if its first and last quarter differ by more standard errors, and by more deg/s."""
-
 
 SHORT_S = 6.0
 """Twice the shortest rest, so that one fits in beside the first and the last motion."""

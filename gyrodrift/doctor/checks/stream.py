@@ -4,8 +4,7 @@ import numpy as np
 
 from gyrodrift.columns.readings import RAIL_MIN_DPS
 from gyrodrift.describe.text import JITTER_ODD
-from gyrodrift.doctor.check import checks_of, facts_of, rest_of
-from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.evidence import DeviceEvidence, checks_of, facts_of, rest_of
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.outputs import health

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
-from gyrodrift.evaluation.uncertainty import normal_crps
+from gyrodrift.evaluation.score import normal_crps
 from gyrodrift.filters.filter import Filter
 from gyrodrift.values.arrays import Floats
 

@@ -90,7 +90,10 @@ def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: flo
     evidence = RAMP_PROBABILITY + (1.0 - RAMP_PROBABILITY) * walk_odds  # divided by the likelihood of the ramp
     walk = kalman_step(innovation_dps, h.bias_var, h.covariance, h.yaw_var, mean_var)
     ramp = kalman_step(innovation_dps, ramp_bias_var, ramp_covariance, ramp_yaw_var, mean_var)
-    _mix(h, walk, ramp, RAMP_PROBABILITY / evidence)
+    posterior = mix(walk, ramp, RAMP_PROBABILITY / evidence)
+    h.bias_dps += posterior.bias_dps
+    h.yaw_deg += posterior.yaw_deg
+    h.bias_var, h.covariance, h.yaw_var = posterior.bias_var, posterior.covariance, posterior.yaw_var
     return ramp_logpdf + log(evidence)
 
 
@@ -110,12 +113,14 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
     return log_likelihood
 
 
-def _mix(h: Hypothesis, walk: KalmanStep, ramp: KalmanStep, ramp_share: float) -> None:
-    """Set the hypothesis to the moments of the mixture of both posteriors; `ramp_share` is the weight of the ramp."""
-    apart_dps, apart_deg = ramp.bias_dps - walk.bias_dps, ramp.yaw_deg - walk.yaw_deg
-    spread = ramp_share * (1.0 - ramp_share)
-    h.bias_dps += walk.bias_dps + ramp_share * apart_dps
-    h.yaw_deg += walk.yaw_deg + ramp_share * apart_deg
-    h.bias_var = walk.bias_var + ramp_share * (ramp.bias_var - walk.bias_var) + spread * apart_dps * apart_dps
-    h.covariance = walk.covariance + ramp_share * (ramp.covariance - walk.covariance) + spread * apart_dps * apart_deg
-    h.yaw_var = walk.yaw_var + ramp_share * (ramp.yaw_var - walk.yaw_var) + spread * apart_deg * apart_deg
+def mix(first: KalmanStep, second: KalmanStep, share: float) -> KalmanStep:
+    """Moments of the mixture of two posteriors; `share` is the weight of the second."""
+    apart_dps, apart_deg = second.bias_dps - first.bias_dps, second.yaw_deg - first.yaw_deg
+    spread = share * (1.0 - share)
+    return KalmanStep(
+        first.bias_dps + share * apart_dps,
+        first.yaw_deg + share * apart_deg,
+        first.bias_var + share * (second.bias_var - first.bias_var) + spread * apart_dps * apart_dps,
+        first.covariance + share * (second.covariance - first.covariance) + spread * apart_dps * apart_deg,
+        first.yaw_var + share * (second.yaw_var - first.yaw_var) + spread * apart_deg * apart_deg,
+    )

@@ -1,10 +1,15 @@
-"""Base of both clocks, their events, and the fading regression line that they use.
+"""Base of both clocks, their events, the fading regression line that they use, and the calendar of the host.
 
 The arrival is never the time of a sample: a serial link delivers late and in bursts, never early. The device clock uses
 the line only to cross-check and to measure its drift; the arrival clock takes its times from it.
+
+A user or NTP may set the system clock while samples arrive. The Unix time of a recording does not follow at once; the
+caller of `Calendar.follow` decides when the new time begins.
 """
 
+import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, nan
 
@@ -13,6 +18,12 @@ from gyrodrift.values.sample import Reading, Sample
 
 FASTEST_DPS = 2000.0
 """Range of the gyros on these boards; an angle that moves faster was reset."""
+
+CLOCK_SET = "host_clock_set"
+"""Event that reports a step of the system clock."""
+
+STEP_MIN_S = 0.5
+"""Smallest step that starts another file; slewing changes both clocks, and is not a step."""
 
 
 class TurningRate:
@@ -177,3 +188,27 @@ class Clock(ABC):
     def reconnected(self) -> None:
         """Handle a reconnect: the clock of the next reading may have restarted."""
         self._has_reconnected = True
+
+
+class Calendar:
+    """Unix time without steps; `epoch_s` is the Unix time at zero of the monotonic clock."""
+
+    def __init__(self, monotonic: Callable[[], float]) -> None:
+        self._monotonic = monotonic
+        self.epoch_s = self._epoch_now_s()
+
+    def unix_s(self) -> float:
+        """Present Unix time, s."""
+        return self.epoch_s + self._monotonic()
+
+    def step_s(self) -> float:
+        """Step of the system clock since, s; 0 without one."""
+        step_s = self._epoch_now_s() - self.epoch_s
+        return step_s if abs(step_s) >= STEP_MIN_S else 0.0
+
+    def follow(self) -> None:
+        """Use the present system clock from now on."""
+        self.epoch_s = self._epoch_now_s()
+
+    def _epoch_now_s(self) -> float:
+        return time.time() - self._monotonic()

@@ -1,21 +1,21 @@
-"""Clock of the device: unwrapped over 32 bits, with gaps, restarts and glitches told apart."""
+"""Clock of the device: unwrapped over 32 bits, with gaps, restarts and glitches told apart by its counter."""
 
 from collections import deque
 from statistics import median
 
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap, rate_of_delta
-from gyrodrift.link.clocks.steps import agree, clock_step, counter_step, is_one_pace, step_between
-from gyrodrift.values.constants import COUNTER_WRAP
+from gyrodrift.values.constants import CLOCK_WRAP_US, COUNTER_WRAP, REPEATED_PERIODS
 from gyrodrift.values.sample import Reading, Sample
+
+ODD_US = 100_000
+ODD_SHARE = 0.1
+"""Largest difference of clock and counter over a step, in µs, and as a share of the step."""
 
 STEP_US = 1_000_000
 """Longest step that counts before the period is known, µs."""
 
 FORWARD_SAMPLES = 64
 """Longest gap after an odd step that still confirms it, in samples; the counter may have restarted, too."""
-
-REPEATED_PERIODS = 8.0
-"""Longest step back that is a repeated reading, in periods; a longer one means a restart."""
 
 ODD_PERIODS = 4.0
 RETURN_PERIODS = 2.5
@@ -41,6 +41,40 @@ FALLBACK_PERIOD_S = 0.01
 
 FIT_EVERY_S = 0.02
 """Interval of points for the line through (device time, arrival), s; more points would cost too much time."""
+
+
+def clock_step(last: Reading, reading: Reading) -> int:
+    """Signed step of the wrapping clock, µs."""
+    half = CLOCK_WRAP_US // 2
+    return ((reading.t_us or 0) - (last.t_us or 0) + half) % CLOCK_WRAP_US - half
+
+
+def counter_step(last_seq: int, seq: int) -> int:
+    """Step of the wrapping counter."""
+    return (seq - last_seq) % COUNTER_WRAP
+
+
+def step_between(last: Reading, reading: Reading) -> tuple[int, int]:
+    """Steps of the clock, µs, and of the counter; 0 without a counter."""
+    counted = 0 if last.seq is None or reading.seq is None else counter_step(last.seq, reading.seq)
+    return clock_step(last, reading), counted
+
+
+def agree(counted_us: float, step_us: int) -> bool:
+    """Whether counter and clock agree on a step."""
+    return abs(counted_us - step_us) <= max(ODD_US, ODD_SHARE * abs(step_us))
+
+
+def is_one_pace(before: tuple[int, int], after: tuple[int, int]) -> bool:
+    """Whether the period is the same over two forward steps, by the counter.
+
+    It confirms the steps of a device with a new sample rate, before its period is known.
+    """
+    (before_us, counted_before), (after_us, counted) = before, after
+    if before_us <= 0 or after_us <= 0 or not all(0 < count < COUNTER_WRAP // 2 for count in (counted_before, counted)):
+        return False
+    expected = before_us * counted
+    return abs(after_us * counted_before - expected) <= ODD_SHARE * expected
 
 
 class DeviceClock(Clock):

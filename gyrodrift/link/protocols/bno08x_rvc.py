@@ -11,6 +11,7 @@ The index counts frames of 10 ms and is the clock: a lost frame is a gap, and ya
 import re
 from struct import Struct
 
+from gyrodrift.link.clocks.clock import FASTEST_DPS
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
@@ -20,8 +21,6 @@ from gyrodrift.values.sample import Reading
 FRAME = Struct("<2sBhhhhhhBBBB")
 PERIOD_US = 10_000
 CENTIDEGREES = 36_000
-FASTEST_DPS = 2000.0
-"""Range of the gyro; a faster yaw was reset, or many frames were lost."""
 
 
 class RvcDecoder(FrameDecoder):

@@ -15,6 +15,9 @@ WAITING_MAX = 65_536
 One turn of the 16-bit sample counter: more than a minute at 1 kHz, 6 s at 10 kHz, and at most 5 MB.
 """
 
+ANGLES_BEFORE = 5
+"""Angles without a rate before the angle is chosen: devices that send both alternate."""
+
 
 @dataclass(slots=True)
 class DecoderCounters:
@@ -104,3 +107,26 @@ class Decoder(Protocol):
     def push(self, chunk: Any) -> list[Reading]:
         """Decode the next bytes of the stream, or the next batch of a source of readings; return the readings."""
         ...
+
+
+class RateOrAngle:
+    """Choice for the whole stream: the rate, unless ANGLES_BEFORE angles came without one."""
+
+    def __init__(self) -> None:
+        self._has_rate = False
+        self._angles = 0
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether the angle has been chosen."""
+        return self._angles > ANGLES_BEFORE
+
+    def offer_rate(self) -> bool:
+        """Note a received rate, and return whether it is used."""
+        self._has_rate = not self.is_angle
+        return self._has_rate
+
+    def offer_angle(self) -> bool:
+        """Note a received angle, and return whether it is used."""
+        self._angles += not self._has_rate
+        return self.is_angle

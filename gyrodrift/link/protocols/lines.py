@@ -7,7 +7,7 @@ two more, and a line with another number of columns counts as damaged until thre
 
 from abc import abstractmethod
 
-from gyrodrift.link.protocols.pieces import PieceDecoder
+from gyrodrift.link.protocols.frames import PieceDecoder
 from gyrodrift.values.constants import CLOCK_MASK
 from gyrodrift.values.sample import Reading
 

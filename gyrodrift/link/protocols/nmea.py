@@ -9,7 +9,7 @@ with a checksum has arrived.
 
 from math import nan
 
-from gyrodrift.link.protocols.angles import RateOrAngle
+from gyrodrift.link.protocols.decoder import RateOrAngle
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in, words_of

@@ -10,6 +10,7 @@ from gyrodrift.io.plug_ins import EntryPoint, PlugIns, named_record
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.errors import UsageError
+from gyrodrift.values.words import listed
 
 AUTO = "auto"
 
@@ -94,10 +95,9 @@ def added_candidates() -> list[WireProtocol]:
     return sorted(added, key=lambda entry: entry.rank)
 
 
-def listed() -> str:
+def detected_names() -> str:
     """Names of the detected protocols: `native, csv or witmotion`."""
-    *names, last = (entry.name for entry in PROTOCOLS.values() if entry.is_detected)
-    return f"{', '.join(names)} or {last}" if names else last
+    return listed((entry.name for entry in PROTOCOLS.values() if entry.is_detected), "or")
 
 
 def _register_shipped() -> None:

@@ -6,7 +6,7 @@ from functools import reduce
 from math import isfinite
 from operator import xor
 
-from gyrodrift.link.protocols.pieces import PieceDecoder
+from gyrodrift.link.protocols.frames import PieceDecoder
 from gyrodrift.values.sample import Reading
 
 HEX = frozenset(b"0123456789ABCDEFabcdef")

@@ -7,7 +7,7 @@ Without a rate, the yaw of `VNYPR`, or of the quaternion of `VNQTN`, is used.
 
 from math import degrees, nan
 
-from gyrodrift.link.protocols.angles import RateOrAngle
+from gyrodrift.link.protocols.decoder import RateOrAngle
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
@@ -27,7 +27,6 @@ RATE_INDEX = {
 
 TEMPERATURE_INDEX = {"VNIMU": 10}
 ANGLES = frozenset({"VNYPR", "VNQTN"})
-
 
 WITH_GRAVITY = frozenset({"VNIMU", "VNYMR", "VNQMR", "VNMAR"})
 """Messages with accelerations before the rates; others have none, or accelerations without gravity."""

@@ -11,8 +11,7 @@ import re
 from math import nan
 from struct import Struct
 
-from gyrodrift.link.protocols.angles import RateOrAngle
-from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.link.protocols.decoder import DeviceDescription, RateOrAngle
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.constants import INT16_COUNTS, STANDARD_GRAVITY_MPS2

@@ -9,7 +9,7 @@ import re
 from math import degrees, isfinite, isnan, nan
 from struct import Struct
 
-from gyrodrift.link.protocols.angles import RateOrAngle
+from gyrodrift.link.protocols.decoder import RateOrAngle
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol

@@ -14,15 +14,12 @@ from gyrodrift.link.protocols.decoder import CountingDecoder, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourceEndedError, SourcePort
 from gyrodrift.session.follow import SampleStream
-from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, LATEST_NS, MAGIC
+from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, LATEST_S, MAGIC
 from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.errors import DataError, LinkError, PortDeniedError, PortMissingError
 from gyrodrift.values.sample import Reading, Sample
 
 READ_BYTES = 65_536
-LATEST_S = LATEST_NS * 1e-9
-"""Latest time of a sample, s; other times are damage."""
-
 LOOK_S = 0.05
 """Time between two looks at the file, s; a recorder writes at least once a second."""
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.io.paho_guard import PahoGuard
+from gyrodrift.link.heard import LineEnds
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.line_ends import LineEnds
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.stream_channel import (
     ANSWER_S,

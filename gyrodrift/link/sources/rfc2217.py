@@ -1,24 +1,38 @@
 """Source `rfc2217://HOST:PORT`: a serial port of another machine, with its baud rate (RFC 2217).
 
-pyserial's client reads in a thread, byte by byte and without a limit (docs/blind-alleys.md); this one has a descriptor
-to wait for.
+Data, commands and subnegotiations share one stream (RFC 854, RFC 855). The client of pyserial reads in a thread, byte
+by byte and without a limit (docs/blind-alleys.md); this one has a descriptor to wait for.
 """
 
+import re
 import select
 import socket
 import time
+from dataclasses import dataclass, field
 
 from gyrodrift.link.port import READ_BYTES, PortGoneError
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import ByteSource, SourceAddress
-from gyrodrift.link.sources.telnet import DO, DONT, IAC, SB, SE, WILL, WONT, TelnetReceived, TelnetStream, escaped
 from gyrodrift.values.errors import LinkError
 
+IAC, DONT, DO, WONT, WILL, SB, SE = 255, 254, 253, 252, 251, 250, 240
+COMMAND = re.compile(
+    rb"\xff(?:(?P<doubled>\xff)|(?P<verb>[\xfb-\xfe])(?P<option>.)"
+    rb"|\xfa(?P<content>(?:[^\xff]++|\xff[^\xf0])*+)\xff\xf0|[^\xfa-\xff])",
+    re.DOTALL,
+)
+"""A doubled 255, a verb with its option, a subnegotiation, or another command."""
+
+LONGEST_SUBNEGOTIATION = 512
+"""A signature of RFC 2217 is the longest one, at most 255 characters; longer ones are dropped. Chosen: twice that."""
+
 BINARY, SUPPRESS_GO_AHEAD, COM_PORT = 0, 3, 44
+
 OFFERED = frozenset({BINARY, SUPPRESS_GO_AHEAD, COM_PORT})
 """Options of RFC 856, RFC 858 and RFC 2217."""
 
 SET_BAUD, SET_DATA_BITS, SET_PARITY, SET_STOP_BITS, SET_CONTROL, PURGE = 1, 2, 3, 4, 5, 12
+
 ANSWER = 100
 """The server answers a command with its number plus 100 (RFC 2217, section 3)."""
 
@@ -26,6 +40,51 @@ NO_PARITY, ONE_STOP_BIT, NO_FLOW_CONTROL, DTR_ON, RTS_ON, RECEIVED = 1, 1, 1, 8,
 
 ANSWER_S = 3.0
 """Longest wait for the server to accept RFC 2217, s; pyserial's client waits as long."""
+
+
+@dataclass(slots=True)
+class TelnetReceived:
+    """Content of received bytes: data, pairs of verb and option, and subnegotiations without their frame."""
+
+    content: bytes = b""
+    commands: list[tuple[int, int]] = field(default_factory=list)
+    subnegotiations: list[bytes] = field(default_factory=list)
+
+
+class TelnetStream:
+    """Splits a stream, in any pieces."""
+
+    def __init__(self) -> None:
+        self._pending = b""
+
+    def push(self, chunk: bytes) -> TelnetReceived:
+        """Content of the next bytes; an incomplete command waits, unless it is too long."""
+        content, received = self._pending + chunk, TelnetReceived()
+        parts: list[bytes] = []
+        position = 0
+        while (mark := content.find(IAC, position)) >= 0 and (match := COMMAND.match(content, mark)):
+            parts.append(content[position:mark])
+            position = match.end()
+            if match["doubled"]:
+                parts.append(match["doubled"])
+            elif match["verb"]:
+                received.commands.append((match["verb"][0], match["option"][0]))
+            elif match["content"] is not None:
+                received.subnegotiations.append(unescaped(match["content"]))
+        end = len(content) if mark < 0 else mark
+        received.content = b"".join([*parts, content[position:end]])
+        self._pending = content[end:] if len(content) - end <= LONGEST_SUBNEGOTIATION else b""
+        return received
+
+
+def unescaped(content: bytes) -> bytes:
+    """Content without the doubling of 255."""
+    return content.replace(b"\xff\xff", b"\xff")
+
+
+def escaped(content: bytes) -> bytes:
+    """Content with 255 doubled."""
+    return content.replace(b"\xff", b"\xff\xff")
 
 
 class Rfc2217Port(SocketPort):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from math import inf
 
-from gyrodrift.link.sources.line_ends import LineEnds
+from gyrodrift.link.heard import LineEnds
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 

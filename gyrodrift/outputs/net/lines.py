@@ -13,8 +13,7 @@ from typing import Any, Protocol, TypeVar, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
-from gyrodrift.outputs.net.backlog import Backlog
-from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
+from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Backlog, Limits
 from gyrodrift.outputs.net.servers import ClientServer, own_mistake
 from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 

@@ -1,4 +1,4 @@
-"""Common part of servers and of their outputs: clients with sessions and counts, and the log of refused clients."""
+"""Common part of servers and outputs: clients with sessions and counts, the log of refused clients, periodic calls."""
 
 import asyncio
 from collections.abc import Callable, Sequence
@@ -11,6 +11,10 @@ from gyrodrift.outputs.status import ClientStatus
 
 EVERY_S = 1.0
 """Interval of the log lines with a number of events, after the first event, s."""
+
+S = TypeVar("S")
+
+O = TypeVar("O")  # noqa: E741 - the options of an output
 
 
 class BoundedEvent:
@@ -69,7 +73,6 @@ class Client(Protocol):
 
 
 C = TypeVar("C", bound=Client)
-S = TypeVar("S")
 
 
 class ClientServer(Generic[C, S]):
@@ -111,7 +114,6 @@ class ClientServer(Generic[C, S]):
         self.refusals.close()
 
 
-O = TypeVar("O")  # noqa: E741 - the options of an output
 V = TypeVar("V", bound=ClientServer[Any, Any])
 
 
@@ -135,3 +137,41 @@ class ServerOutput(Output[O], Generic[O, V]):
     async def close(self) -> None:
         """Close the connections."""
         await self.server.close()
+
+
+class Periodic:
+    """Calls a function at a fixed interval on the loop; late calls are skipped.
+
+    An exception ends the calls; `close` raises it. With `waits` only calls after `wake` are made: without one the loop
+    sleeps.
+    """
+
+    def __init__(self, every_s: float, call: Callable[[], object], *, waits: bool = False) -> None:
+        self._every_s = every_s
+        self._call = call
+        self._waits = waits
+        self._has_work = asyncio.Event()
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    def wake(self) -> None:
+        """Let the next call be made."""
+        self._has_work.set()
+
+    async def close(self) -> None:
+        """End the calls."""
+        self._task.cancel()
+        await asyncio.wait([self._task])
+        if not self._task.cancelled():
+            self._task.result()
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while True:
+            if self._waits:
+                await self._has_work.wait()
+                self._has_work.clear()
+            self._call()
+            now_s = loop.time()
+            due_s = max(due_s + self._every_s, now_s)
+            await asyncio.sleep(due_s - now_s)

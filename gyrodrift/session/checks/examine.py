@@ -1,4 +1,4 @@
-"""All checks of a recording, in their order of dependence."""
+"""All checks of a recording, in their order of dependence, and the findings about its readings."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ import numpy as np
 
 from gyrodrift.columns.accel_axes import AGREES, TurningAxisCheck
 from gyrodrift.columns.sizes import FREE_SHARE, SAMPLE_RATES_HZ, gravity_unit, is_gravity
+from gyrodrift.facts.readings import JudgedReadings
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.checks.odd_readings import reading_findings
 from gyrodrift.session.checks.rate_unit import rate_findings, recorded_samples
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.checks.stated import AS_WRITTEN, TIME_UNITS, ReadingOptions, time_factor
@@ -18,6 +18,7 @@ from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import DataError
+from gyrodrift.values.words import counted
 
 NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "days": "days"}
 
@@ -36,6 +37,14 @@ LEAST_STEPS = 20
 """Least number of time steps for a check."""
 
 SAME_PACE = 3.0
+
+OTHER_COLUMN = "name the column of the time with --columns, or state the rate of the samples with --sample-rate HZ"
+
+UPSIDE_DOWN = -0.7
+"""Median of the z component over the length: z points down by 135° of tilt or more."""
+
+MOST_NAMED = 3
+"""Number of hangs that are named one by one."""
 
 
 def clock_unit_findings(session: Session, *, is_stated: bool) -> tuple[SessionFinding, ...]:
@@ -64,9 +73,6 @@ def clock_unit_findings(session: Session, *, is_stated: bool) -> tuple[SessionFi
     if read_as not in units and SLOWEST_HZ * (1.0 - WITHIN) <= max(rates_hz) < USUAL_HZ:
         do += f"; --time-unit {read_as}, if it is {hz:.3g} Hz"
     return (SessionFinding("clock_unit", says, do, is_error=not is_stated),)
-
-
-OTHER_COLUMN = "name the column of the time with --columns, or state the rate of the samples with --sample-rate HZ"
 
 
 def _is_whole(t_s: Floats) -> bool:
@@ -123,10 +129,6 @@ def _host_pace(session: Session) -> tuple[SessionFinding, ...]:
         return ()
     says = f"the device counted {spans_s[0]:.4g} s while the host counted {spans_s[1]:.4g} s"
     return (SessionFinding("clock_pace", says, "unless it is a replay, one of them is wrong, and yaw with it"),)
-
-
-UPSIDE_DOWN = -0.7
-"""Median of the z component over the length: z points down by 135° of tilt or more."""
 
 
 def acceleration_findings(facts: SessionFacts, *, is_stated: bool) -> Iterator[SessionFinding]:
@@ -243,3 +245,23 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
         findings += acceleration_findings(facts, is_stated=bool(stated.accel_unit))
         findings += axis_findings(facts)
     return ExaminedSession(facts, tuple(findings))
+
+
+def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
+    """Warnings about the judged readings of a session; none for usual ones."""
+    if readings.impossible:
+        first, samples = readings.fields_of("impossible_reading")[0], counted(readings.impossible, "sample")
+        says = f"{samples} such as {first['rate_dps']:.4g} deg/s cannot be: {first['hint']}"
+        yield SessionFinding("impossible", says)
+    if readings.clipped:
+        first = readings.fields_of("clipped")[0]
+        yield SessionFinding(
+            "clipped", f"{counted(readings.clipped, 'sample')} read ±{first['limit_dps']:.5g} deg/s", first["hint"]
+        )
+    hangs = list(zip(readings.fields_of("rate_hangs"), readings.fields_of("rate_moves"), strict=True))
+    for hang, end in hangs[:MOST_NAMED]:
+        since = f"for {end['seconds']:.3g} s from {end['since_s']:.6g} s on"
+        says = f"the rate was exactly {hang['rate_dps'] + 0.0:.5g} deg/s {since}"
+        yield SessionFinding("stuck", says, hang["hint"])
+    if len(hangs) > MOST_NAMED:
+        yield SessionFinding("stuck", f"the rate was constant {len(hangs)} times, for {readings.hung_s:.3g} s in total")

@@ -13,13 +13,12 @@ from gyrodrift.columns.rate_unit import (
     PER_DPS,
     RADIANS,
     SURE_ODDS,
-    WINDOW,
     RateUnit,
     RateUnitOdds,
     compared,
 )
 from gyrodrift.columns.shape import RateShape
-from gyrodrift.columns.sizes import SENSITIVITIES
+from gyrodrift.columns.sizes import SENSITIVITIES, WINDOW
 from gyrodrift.columns.spec import RATE_DPS
 from gyrodrift.facts.reference import MOST_READ, EncoderComparison
 from gyrodrift.facts.session_facts import SessionFacts

@@ -10,13 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats, Mask
-
-REPEATED_PERIODS = 8.0
-"""A smaller step back repeats or swaps the last samples, as in `link.clocks.device`."""
+from gyrodrift.values.constants import REPEATED_PERIODS
 
 NEXT_PERIODS = 4.0
 """A sample continues a previous one within these periods."""

@@ -21,10 +21,10 @@ from gyrodrift.session.foreign.records import messages, records
 from gyrodrift.session.foreign.ros import cdr_decoder, ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
-from gyrodrift.session.session import DEVICE_COLUMNS, MISSING, NO_YAW, Session, session_of_columns
+from gyrodrift.session.session import DEVICE_COLUMNS, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
-from gyrodrift.values.sample import Inertial, Sample
+from gyrodrift.values.sample import NO_AXES, NO_YAW, Inertial, Sample
 
 NAMES = (*Sample._fields[:7], *Inertial._fields, *DEVICE_COLUMNS)
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c", "still")
@@ -108,7 +108,7 @@ def session_of_rows(
 
 
 def _row(sample: Sample) -> tuple[float, ...]:
-    return (*sample[:7], *(sample.inertial or MISSING), *(sample.device_yaw or NO_YAW))
+    return (*sample[:7], *(sample.inertial or NO_AXES), *(sample.device_yaw or NO_YAW))
 
 
 def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:

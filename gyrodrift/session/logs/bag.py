@@ -1,16 +1,24 @@
-"""Bags of ROS 1 (.bag) and ROS 2 (a folder with .db3 files): `sensor_msgs/Imu` through the package rosbags."""
+"""Bags of ROS 1 (.bag) and ROS 2 (a folder with .db3 files): `sensor_msgs/Imu` through the package rosbags.
 
+The package does not limit compressed content, and a few bytes can open to gigabytes, so it is limited here.
+"""
+
+from bz2 import BZ2Decompressor
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, Self
+from unittest.mock import patch
+
+import lz4.frame
+import zstandard
 
 from gyrodrift.io.files import UnreadableError, check_ordinary, opened_limit, read_ordinary
 from gyrodrift.io.installation import packages_of
 from gyrodrift.session.foreign.columns import Decode
 from gyrodrift.session.foreign.read import sample_rows, session_of_rows
 from gyrodrift.session.foreign.ros import imu_sample, ros1_imu_sample
-from gyrodrift.session.logs.bag_opening import limited_opening
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
@@ -20,6 +28,11 @@ METADATA, LONGEST_METADATA_BYTES = "metadata.yaml", 1 << 20
 """Largest metadata.yaml; one of a hundred topics has 50 kB. Its reader needs a second for so many bytes."""
 
 ROS1_MAGIC = b"#ROSBAG V"
+
+PIECE_BYTES = 1 << 26
+"""Largest chunk or message that is decompressed at once; rosbag writes chunks of 768 KiB."""
+
+Opened = Callable[..., bytes]
 
 
 def read_bag(path: Path, topic: str | None = None) -> Session:
@@ -172,3 +185,76 @@ def _ros2_decode() -> Decode:
     """Decoder of CDR messages."""
     decode = deserializer(is_ros1=False)
     return lambda payload, log_ns: imu_sample(decode(payload, IMU), log_ns)
+
+
+class TooLargeError(Exception):
+    """The content of a bag is larger than its limit."""
+
+
+class LimitedOpening:
+    """Decompression that stands in for the functions of rosbags, and for its module `zstd`, within one limit."""
+
+    def __init__(self, limit_bytes: int) -> None:
+        self._limit_bytes = self._left_bytes = limit_bytes
+
+    def bz2(self, content: bytes) -> bytes:
+        """Content of a chunk of ROS 1."""
+        return self._counted(BZ2Decompressor().decompress(content, self._most_bytes))
+
+    def lz4(self, content: bytes, _size: int = 0) -> bytes:
+        """Content of a chunk of ROS 1 or MCAP."""
+        return self._counted(lz4.frame.LZ4FrameDecompressor().decompress(content, self._most_bytes))
+
+    def decompress(self, content: bytes, _size: int = 0) -> bytes:
+        """Content of a message of ROS 2 or a chunk of MCAP, by zstd."""
+        with zstandard.ZstdDecompressor().stream_reader(BytesIO(content), read_across_frames=True) as reader:
+            return self._counted(reader.read(self._most_bytes))
+
+    def open(self, file: BinaryIO, _mode: str) -> "_LimitedFile":
+        """Content of a file of ROS 2, by zstd."""
+        stream = zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True, closefd=False)
+        return _LimitedFile(stream, self._counted)
+
+    @property
+    def _most_bytes(self) -> int:
+        """Bytes to decompress at once, one more than are allowed."""
+        return min(self._left_bytes, PIECE_BYTES) + 1
+
+    def _counted(self, content: bytes) -> bytes:
+        self._left_bytes -= len(content)
+        if self._left_bytes < 0 or len(content) > PIECE_BYTES:
+            most_bytes = min(self._limit_bytes, PIECE_BYTES)
+            raise TooLargeError(f"it has compressed content above {most_bytes >> 20} MiB, too much for its size")
+        return content
+
+
+class _LimitedFile:
+    def __init__(self, stream: Any, counted: Callable[[bytes], bytes]) -> None:
+        self._stream, self._counted = stream, counted
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stream.close()
+
+    def read(self, count: int) -> bytes:
+        """The next bytes."""
+        return self._counted(self._stream.read(count))
+
+
+@contextmanager
+def limited_opening(limit_bytes: int) -> Iterator[None]:
+    """Let rosbags decompress at most so many bytes within the block."""
+    from rosbags.rosbag1 import reader as ros1
+    from rosbags.rosbag2 import reader as ros2
+    from rosbags.rosbag2 import storage_mcap
+
+    limited = LimitedOpening(limit_bytes)
+    ros1_kinds: dict[str, Opened] = {"bz2": limited.bz2, "lz4": limited.lz4}
+    mcap_kinds: dict[str, Opened] = {"lz4": limited.lz4, "zstd": limited.decompress}
+    with ExitStack() as patches:
+        patches.enter_context(patch.dict(ros1.decompressors, ros1_kinds))
+        patches.enter_context(patch.dict(storage_mcap.DECOMPRESSORS, mcap_kinds))
+        patches.enter_context(patch.object(ros2, "zstd", limited))
+        yield

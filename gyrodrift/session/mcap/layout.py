@@ -158,6 +158,7 @@ READ_HEAD = struct.Struct("<BQHIQQIdI")
 """A read up to its bytes; the last value is their number."""
 
 LATEST_NS = 1 << 63
+LATEST_S = LATEST_NS * 1e-9
 """Times in message heads are clipped to this; the values of the samples are not."""
 
 SEAL_OPCODE = 0x94

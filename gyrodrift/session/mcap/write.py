@@ -33,6 +33,7 @@ from gyrodrift.session.mcap.layout import (
     FOOTER_LENGTH,
     HEAD,
     LATEST_NS,
+    LATEST_S,
     LAYOUTS,
     MAGIC,
     MESSAGE_OPCODE,
@@ -44,14 +45,11 @@ from gyrodrift.session.mcap.layout import (
     salt_of,
     seal,
 )
-from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
+from gyrodrift.values.sample import NO_AXES, NO_YAW, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 
 CHANNEL = SAMPLES.channel_id
-LATEST_S = LATEST_NS * 1e-9
-MISSING = Inertial(nan, nan, nan)
-NO_YAW = DeviceYaw(nan, nan, nan)
 NOTHING: tuple[float, ...] = ()
 
 
@@ -181,7 +179,7 @@ class McapWriter:
         pack, rows, length = self._layout.values.pack, self._rows, self._layout.message.size - HEAD.size
         crc32, salt, number = zlib.crc32, self.salt, self.count
         last_host_s, log_ns = nan, 0
-        no_axes, no_yaw = MISSING if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
+        no_axes, no_yaw = NO_AXES if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
         for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(number, still, t_host_s)

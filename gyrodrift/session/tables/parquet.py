@@ -10,10 +10,10 @@ from gyrodrift.io.files import opened_limit
 from gyrodrift.io.installation import packages_of
 from gyrodrift.session.csv import MOST_COLUMNS
 from gyrodrift.session.tables.plan import Head
+from gyrodrift.session.tables.rows import PIECE
 from gyrodrift.values.errors import DataError
 
 LOOKED_AT = 400
-PIECE = 20_000
 ROWS_MIN, ROWS_PER_BYTE = 100_000, 10
 """Rows of any file, and rows per byte of a larger one; a rate with noise takes a byte a row, however it is packed."""
 

@@ -16,7 +16,7 @@ from gyrodrift.session.session import COLUMNS
 from gyrodrift.session.tables.layout import is_value
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.values.errors import DataError, shortened
-from gyrodrift.values.nearest import suggestion
+from gyrodrift.values.words import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.evaluation.dataset import YawCurves
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Part, ScaleKind, Shape, line, thinned
 from gyrodrift.tune.result import Run, Tuning

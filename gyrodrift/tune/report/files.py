@@ -12,9 +12,9 @@ from gyrodrift.evaluation.dataset import Split
 from gyrodrift.filters.filter import Filter
 from gyrodrift.io.files import write_whole
 from gyrodrift.io.json_numbers import finite_values
-from gyrodrift.report.files import aligned
-from gyrodrift.report.numbers import significant
+from gyrodrift.report.numbers import aligned, significant
 from gyrodrift.tune.result import Alternative, Pi, Run, SessionScore, Tuning
+from gyrodrift.values.words import counted
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
 
@@ -174,7 +174,7 @@ def _held_out_words(tuning: Tuning) -> str:
     if tuning.cross_validation:
         return f"{len(tuning.scores)} sessions, each held out in turn"
     train, test = (len(tuning.scores_on(split)) for split in Split)
-    return f"{train} training session{'s' * (train != 1)}, {test} held out"
+    return f"{counted(train, 'training session')}, {test} held out"
 
 
 def _summary_row(tuning: Tuning, way: Alternative) -> list[str]:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from sources_support import Host
 from support import speaking_on
 
-from gyrodrift.link.protocols.angles import ANGLES_BEFORE
+from gyrodrift.link.protocols.decoder import ANGLES_BEFORE
 from gyrodrift.link.protocols.navx import NavxDecoder
 from gyrodrift.link.protocols.nmea import AskedNmeaDecoder, NmeaDecoder
 from gyrodrift.link.protocols.vectornav_ascii import VectornavAsciiDecoder

@@ -14,8 +14,7 @@ from support import near
 from firmware_sim.wire.native import axes_sample_frame, native_frame, sample_frame, yaw_frame
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.guard import renewed
-from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.link.protocols.native_yaw import MOST_BIAS_DPS, MOST_DEG
+from gyrodrift.link.protocols.native import MOST_BIAS_DPS, MOST_DEG, NativeDecoder
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.values.sample import DeviceYaw, Reading
 

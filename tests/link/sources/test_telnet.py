@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.link.sources.telnet import (
+from gyrodrift.link.sources.rfc2217 import (
     DO,
     IAC,
     LONGEST_SUBNEGOTIATION,

@@ -10,7 +10,7 @@ import lz4.frame
 import pytest
 import zstandard
 
-from gyrodrift.session.logs.bag_opening import LimitedOpening, TooLargeError, limited_opening
+from gyrodrift.session.logs.bag import LimitedOpening, TooLargeError, limited_opening
 from gyrodrift.session.tables.parquet import parquet_rows
 from gyrodrift.values.errors import DataError
 

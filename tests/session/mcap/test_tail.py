@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.session.mcap import tail
-from gyrodrift.session.mcap.tail import covered, keep_tail
+from gyrodrift.session.mcap import repair
+from gyrodrift.session.mcap.repair import covered, keep_tail
 
 TEXTS = (
     b"outputs: [{name: mqtt, password: hunter2}]",
@@ -37,7 +37,7 @@ def test_a_secret_across_blocks_is_covered(tmp_path: Path, block_bytes: int, mon
     path = tmp_path / "s.mcap"
     path.write_bytes(content)
     pieces = [(index, content[index : index + block_bytes]) for index in range(0, len(content), block_bytes)]
-    monkeypatch.setattr(tail, "data_blocks", lambda *_: iter(pieces))
+    monkeypatch.setattr(repair, "data_blocks", lambda *_: iter(pieces))
     with path.open("rb") as file:
         saved = keep_tail(path, file, 0, len(content))
     assert saved.read_bytes() == covered(content)

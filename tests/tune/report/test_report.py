@@ -10,8 +10,7 @@ import pytest
 from page_support import charts, parsed, row, series_of, words
 from tuning_support import curve, curve_of, of_e, run, score, tuning, tuning_of_both
 
-from gyrodrift.evaluation.curves import YawCurves
-from gyrodrift.evaluation.dataset import Split
+from gyrodrift.evaluation.dataset import Split, YawCurves
 from gyrodrift.evaluation.space import axes_of, linear
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
@@ -19,8 +18,7 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.report.provenance import Provenance
 from gyrodrift.tune.report.charts import importances
-from gyrodrift.tune.report.head import judged
-from gyrodrift.tune.report.page import report_html
+from gyrodrift.tune.report.page import judged, report_html
 from gyrodrift.tune.result import Pi, Tuning
 
 AXES = axes_of(HDR)

@@ -35,18 +35,15 @@ static inline void gd_attitude_reopen(gd_attitude *a) {
     }
   }
   a->windows.total = 0;
-  gd_attitude_merge_and_prune(&a->sum);
 }
 
-/* Goes over a gap to a sample that comes `step_s` later with these rates. The sample then begins a block. */
-static inline void gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_real gyro[3]) {
+/* Goes over a gap to a sample that comes `step_s` later with these rates; returns whether the bias was reopened. */
+static inline int gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_real gyro[3]) {
   const gd_real seconds = gd_gap_length_s(step_s);
   const gd_real drift_var = gd_min(a->c.walk_var * seconds, a->c.bias_sigma * a->c.bias_sigma);
+  const int may_have_restarted = gd_may_have_restarted(a->longest_step_s, step_s);
   gd_real turn_var[3];
   int i, k;
-  if (a->block.samples > 0) {
-    gd_attitude_end_block(a);
-  }
   gd_attitude_turn_variances(turn_var, a, seconds, gyro);
   for (i = 0; i < a->sum.count; i++) {
     gd_attitude_hypothesis *h = gd_attitude_at(a, i);
@@ -61,29 +58,13 @@ static inline void gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_
   memset(&a->segment, 0, sizeof a->segment);
   memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);
   a->suspect_s = 0;
-  if (gd_may_have_restarted(a->longest_step_s, step_s)) {
-    a->has_restarted = 1;
-    if (a->c.bias_sigma > 0) {
-      gd_attitude_reopen(a);
-    }
-  }
+  a->has_restarted = (uint8_t)(a->has_restarted || may_have_restarted);
   a->longest_step_s = gd_longest_after_gap_s(a->longest_step_s, step_s);
-  gd_attitude_publish(a);
-  gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
-}
-
-/* Takes the next step as a gap, whatever its length is: samples are missing. */
-static inline void gd_attitude_gap(gd_attitude *a) {
-  if (a->samples > 0 && a->longest_step_s > GD_TOLD_GAP) {
-    a->longest_step_s = GD_TOLD_GAP;
+  if (may_have_restarted && a->c.bias_sigma > 0) {
+    gd_attitude_reopen(a);
+    return 1;
   }
-}
-
-/* Takes the next step as a restart of the gyro: its biases are others, and the next sample may have any time. */
-static inline void gd_attitude_restarted(gd_attitude *a) {
-  if (a->samples > 0) {
-    a->longest_step_s = GD_TOLD_RESTART;
-  }
+  return 0;
 }
 
 #endif

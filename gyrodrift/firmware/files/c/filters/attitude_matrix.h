@@ -2,12 +2,20 @@
 #ifndef GD_ATTITUDE_MATRIX_H
 #define GD_ATTITUDE_MATRIX_H
 
-#include "attitude_model.h"
+#include "attitude_state.h"
 
 /* Smallest pivot of a covariance, and as a share of its diagonal: rounding may leave 0 or less, and a division must
    stay finite. */
 #define GD_ATTITUDE_PIVOT GD_R(1e-30)
 #define GD_ATTITUDE_PIVOT_SHARE (GD_IS_FLOAT ? GD_R(1e-6) : GD_R(1e-15))
+
+#if defined(__SSE2__) || defined(__ARM_NEON)
+#define GD_HAS_VECTOR_UNIT 1
+#else
+#define GD_HAS_VECTOR_UNIT 0
+#endif
+/* Length of a row of a covariance; filled up to whole vectors of 4 floats for a vector unit. */
+#define GD_ATTITUDE_ROW (GD_ATTITUDE_STATES + 3 * GD_HAS_VECTOR_UNIT)
 
 static inline gd_real gd_dot(const gd_real a[3], const gd_real b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -48,6 +56,27 @@ static inline void gd_times(gd_real out[3], const gd_real m[9], const gd_real v[
 
 /* Place of row i and column j in a packed covariance. */
 static inline int gd_place(int i, int j) { return i <= j ? i * (41 - i) / 2 + j : j * (41 - j) / 2 + i; }
+
+/* Row of a covariance, filled up with zeros. */
+static inline void gd_row(gd_real out[GD_ATTITUDE_ROW], const gd_real *cov, int row) {
+  int j, place = row;
+  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+    out[j] = cov[place];
+    place += j < row ? GD_ATTITUDE_STATES - 1 - j : 1;
+  }
+  for (; j < GD_ATTITUDE_ROW; j++) {
+    out[j] = 0;
+  }
+}
+
+/* Sets the row of a covariance, and the column, which is the same. */
+static inline void gd_set_row(gd_real *cov, int row, const gd_real values[GD_ATTITUDE_ROW]) {
+  int j, place = row;
+  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+    cov[place] = values[j];
+    place += j < row ? GD_ATTITUDE_STATES - 1 - j : 1;
+  }
+}
 
 /* Block (3, 3) on the diagonal of a covariance. */
 static inline void gd_diagonal_block(gd_real out[9], const gd_real *cov, int first) {

@@ -102,6 +102,10 @@ static inline void gd_attitude_measure_in_part(gd_attitude_innovation *m, gd_rea
   }
   gd_attitude_lose(m, lost, GD_ATTITUDE_BIAS, 1, up, share);
   for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+    if (gd_is_zero(lost[i])) {
+      entry += GD_ATTITUDE_STATES - i;
+      continue;
+    }
     error[i] -= gd_dot(lost[i], m->off);
     gd_times(spread_lost, m->spread, lost[i]);
     for (j = i; j < GD_ATTITUDE_STATES; j++) {

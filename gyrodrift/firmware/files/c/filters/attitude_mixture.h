@@ -80,21 +80,21 @@ static inline void gd_attitude_merge(gd_attitude_hypothesis *g, const gd_attitud
   g->yaw_deg = yaw_deg;
 }
 
-/* Keep the most probable hypotheses, similar ones merged, with probabilities that sum to 1. */
-static inline void gd_attitude_merge_and_prune(gd_attitude_sum *sum) {
-  int i, j;
-  gd_attitude_sort(sum);
-  for (i = 0; i + 1 < sum->count; i++) {
-    for (j = i + 1; j < sum->count;) {
-      gd_attitude_hypothesis *g = &sum->slot[sum->order[i]], *h = &sum->slot[sum->order[j]];
-      if (gd_attitude_are_similar(g, h)) {
-        gd_attitude_merge(g, h);
-        gd_attitude_remove(sum, j);
-      } else {
-        j++;
-      }
+/* Merge hypothesis `i` with the next one from `j` on that is similar; returns where the search goes on. */
+static inline int gd_attitude_merge_with_later(gd_attitude_sum *sum, int i, int j) {
+  for (; j < sum->count; j++) {
+    gd_attitude_hypothesis *g = &sum->slot[sum->order[i]], *h = &sum->slot[sum->order[j]];
+    if (gd_attitude_are_similar(g, h)) {
+      gd_attitude_merge(g, h);
+      gd_attitude_remove(sum, j);
+      return j;
     }
   }
+  return j;
+}
+
+/* Keep the most probable hypotheses, with probabilities that sum to 1. */
+static inline void gd_attitude_prune(gd_attitude_sum *sum) {
   gd_attitude_normalize(sum);
   gd_attitude_sort(sum);
   if (sum->count > GD_ATTITUDE_HYPOTHESES) {

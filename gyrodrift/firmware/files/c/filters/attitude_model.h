@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_MODEL_H
 #define GD_ATTITUDE_MODEL_H
 
+#include "aid.h"
 #include "gaps.h"
 #include "parameters.h"
 #include "real.h"
@@ -15,6 +16,15 @@
 #error "GD_ATTITUDE_HYPOTHESES: expected 2 or more"
 #endif
 #define GD_ATTITUDE_SLOTS (2 * GD_ATTITUDE_HYPOTHESES)
+
+/* Samples that wait while gd_attitude_work works on a block: 0.16 s at 100 Hz. If more come, an update does what is
+   left of the work. */
+#ifndef GD_ATTITUDE_QUEUE
+#define GD_ATTITUDE_QUEUE 16
+#endif
+#if GD_ATTITUDE_QUEUE < 1 || GD_ATTITUDE_QUEUE > 255
+#error "GD_ATTITUDE_QUEUE: expected 1 to 255"
+#endif
 
 #define GD_ATTITUDE_RAD GD_R(0.017453292519943295)
 #define GD_ATTITUDE_BLOCKS_PER_WINDOW 3.0
@@ -152,39 +162,6 @@ typedef struct {
   gd_real rest_up[3], moved_var;       /* vertical at the last rest, and largest squared distance from it since */
 } gd_attitude_motion;
 
-/* The filter. Results first; memcpy of the whole saves and restores it. */
-typedef struct {
-  gd_real yaw_deg, yaw_sigma_deg;   /* unwrapped heading, 0 at the first sample, and its standard deviation */
-  gd_real bias_dps, bias_sigma_dps; /* bias of the rate of the heading */
-  gd_real bias_xyz_dps[3];          /* bias of the three axes */
-  gd_real q[4];                     /* attitude (w, x, y, z), sensor to earth, z up */
-  gd_real tilt_deg, tilt_sigma_deg; /* angle between the sensor's z axis and the vertical */
-  gd_real heading_rate_dps;         /* rate of the heading by the measured rates */
-  gd_real rest_probability, confidence;
-  uint32_t samples, rejected; /* accepted and refused samples */
-  gd_real correction_deg;     /* step of yaw in the last sample that is no motion: a change of the estimate */
-  uint16_t corrections;       /* number of those over 1 deg */
-  double longest_step_s;      /* longest step that is no gap; see gaps.h */
-  uint8_t has_restarted;      /* the bias was reopened after a gap */
-  int32_t turns;             /* whole turns in yaw_deg */
-  gd_real heading_deg;       /* yaw_deg without them: exact in float after thousands of turns */
-  double t_s;                /* time of the last accepted sample */
-  double accel_t_s;          /* time of the last acceleration that was not NaN */
-  uint32_t t_us;             /* clock of the board at the last accepted sample */
-  gd_real gyro_dps[3], suspect_dps[3], suspect_s; /* last rates, and those of a sample that may be a spike */
-  gd_real accel_mps2[3];
-  gd_real start_q[4], start_deg; /* output attitude and heading at the beginning of the block */
-  gd_real noise_var;             /* angle random walk of the gyro, rad^2/s */
-  gd_real turn_on_bias[3];       /* mean of the prior of an unknown bias, rad/s: 0, or the bias before a restart */
-  gd_attitude_coefficients c;
-  gd_attitude_block block;
-  gd_attitude_windows windows;
-  gd_attitude_segment segment;
-  gd_attitude_witness witness;
-  gd_attitude_motion motion;
-  gd_attitude_sum sum;
-} gd_attitude;
-
 /* Length of a block, s. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python: so the
    window is rounded to whole microseconds. */
 static inline double gd_attitude_block_s(gd_real window_s) {
@@ -209,8 +186,5 @@ static inline gd_attitude_coefficients gd_attitude_coefficients_of(const gd_rest
   c.limits = GD_SQRT(p->quiet / GD_ATTITUDE_DEFAULT_QUIET);
   return c;
 }
-
-/* Hypothesis number i of the sum. */
-static inline gd_attitude_hypothesis *gd_attitude_at(gd_attitude *a, int i) { return &a->sum.slot[a->sum.order[i]]; }
 
 #endif

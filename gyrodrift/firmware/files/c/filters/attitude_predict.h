@@ -14,15 +14,6 @@
 /* Noise of the velocity, m/s/sqrt(s). */
 #define GD_ATTITUDE_ACCEL_NOISE GD_R(0.3)
 
-/* The part of the transition matrix that is no identity.
-
-   `turn` has the derivatives (3, 12) of the attitude by bias and scale, `held` the same with a heading that stays where
-   the hypothesis stands still. `fall` is the vertical integral of the specific force: it couples attitude and velocity.
-   The horizontal part does not: through a bounded velocity, accelerations of a vehicle would show a heading. */
-typedef struct {
-  gd_real turn[3][12], held[3][12], fall;
-} gd_attitude_transition;
-
 /* State of column `column` of the derivatives. */
 static inline int gd_attitude_column(int column) {
   return column < 3 ? GD_ATTITUDE_BIAS + column : GD_ATTITUDE_SCALE + column - 3;
@@ -65,6 +56,7 @@ static inline void gd_attitude_transition_of(gd_attitude_transition *t, const gd
                                              const gd_attitude_integrals *block, int is_held) {
   int i, j, k;
   t->fall = fall;
+  t->is_held = is_held;
   for (i = 0; i < 3; i++) {
     for (j = 0; j < 12; j++) {
       t->turn[i][j] = 0;
@@ -78,54 +70,92 @@ static inline void gd_attitude_transition_of(gd_attitude_transition *t, const gd
       }
     }
   }
-  memcpy(t->held, t->turn, sizeof t->held);
-  for (j = 0; is_held && j < 12; j++) {
-    t->held[GD_ATTITUDE_HEADING][j] = 0;
+}
+
+/* Add column `column` of the derivatives (3, 12) times the row of a covariance to three rows. */
+static inline void gd_attitude_add_rows(gd_real out[3][GD_ATTITUDE_ROW], const gd_attitude_transition *t, int column,
+                                        const gd_real row[GD_ATTITUDE_ROW]) {
+  const gd_real x = t->turn[0][column], y = t->turn[1][column], z = t->turn[2][column];
+  int j;
+  for (j = 0; j < GD_ATTITUDE_ROW; j++) {
+    out[0][j] += x * row[j];
+    out[1][j] += y * row[j];
+    out[2][j] += z * row[j];
   }
 }
 
-/* The six products of changed rows (attitude, velocity) of the transition matrix with a vector (21). */
-static inline void gd_attitude_carry(gd_real out[6], const gd_attitude_transition *t, const gd_real *v) {
-  gd_real turn[3] = {0, 0, 0}, heading = 0, force[3];
+/* The six changed rows (attitude, velocity) of F cov for the transition matrix F. Row by row, compilers take vector
+   units. */
+static inline void gd_attitude_carry_rows(gd_real out[6][GD_ATTITUDE_ROW], const gd_real *cov,
+                                          const gd_attitude_transition *t) {
+  const int turning = t->is_held ? GD_ATTITUDE_HEADING : 3;
+  gd_real turn[3][GD_ATTITUDE_ROW], force[3][GD_ATTITUDE_ROW], row[GD_ATTITUDE_ROW];
   int i, j;
+  memset(turn, 0, sizeof turn);
+  memset(force, 0, sizeof force);
   for (j = 0; j < 12; j++) {
-    const gd_real x = v[gd_attitude_column(j)];
-    for (i = 0; i < 3; i++) {
-      turn[i] += t->turn[i][j] * x;
-    }
-    heading += t->held[GD_ATTITUDE_HEADING][j] * x;
+    gd_row(row, cov, gd_attitude_column(j));
+    gd_attitude_add_rows(turn, t, j, row);
+  }
+  for (j = 0; j < 3; j++) {
+    gd_row(row, cov, GD_ATTITUDE_FORCE_BIAS + j);
+    gd_attitude_add_rows(force, t, j, row);
   }
   for (i = 0; i < 3; i++) {
-    force[i] = gd_dot(t->turn[i], &v[GD_ATTITUDE_FORCE_BIAS]);
-    out[i] = v[i] + (i == GD_ATTITUDE_HEADING ? heading : turn[i]);
-    out[3 + i] = v[GD_ATTITUDE_VELOCITY + i] + force[i];
+    gd_row(out[i], cov, i);
+    gd_row(out[3 + i], cov, GD_ATTITUDE_VELOCITY + i);
+    for (j = 0; j < GD_ATTITUDE_ROW; j++) {
+      out[3 + i][j] += force[i][j];
+    }
   }
-  out[3] += t->fall * (v[1] + GD_R(0.5) * turn[1]);
-  out[4] -= t->fall * (v[0] + GD_R(0.5) * turn[0]);
+  for (j = 0; j < GD_ATTITUDE_ROW; j++) {
+    out[3][j] += t->fall * (out[1][j] + GD_R(0.5) * turn[1][j]);
+    out[4][j] -= t->fall * (out[0][j] + GD_R(0.5) * turn[0][j]);
+  }
+  for (i = 0; i < turning; i++) {
+    for (j = 0; j < GD_ATTITUDE_ROW; j++) {
+      out[i][j] += turn[i][j];
+    }
+  }
+}
+
+/* The first `count` of the same products with a vector (21). */
+static inline void gd_attitude_carry(gd_real out[6], int count, const gd_attitude_transition *t, const gd_real *v) {
+  gd_real turn[3];
+  int i, j;
+  for (i = 0; i < 3 && i < count; i++) {
+    turn[i] = 0;
+    for (j = 0; j < 3; j++) {
+      turn[i] += t->turn[i][j] * v[GD_ATTITUDE_BIAS + j];
+    }
+    for (j = 0; j < 9; j++) {
+      turn[i] += t->turn[i][3 + j] * v[GD_ATTITUDE_SCALE + j];
+    }
+    out[i] = i == GD_ATTITUDE_HEADING && t->is_held ? v[i] : v[i] + turn[i];
+  }
+  for (i = 3; i < count; i++) {
+    out[i] = v[GD_ATTITUDE_VELOCITY + i - 3] + gd_dot(t->turn[i - 3], &v[GD_ATTITUDE_FORCE_BIAS]);
+  }
+  if (count > 3) {
+    out[3] += t->fall * (v[1] + GD_R(0.5) * turn[1]);
+  }
+  if (count > 4) {
+    out[4] -= t->fall * (v[0] + GD_R(0.5) * turn[0]);
+  }
 }
 
 /* cov = F cov F' for the transition matrix F: only attitude and velocity change, so the rest of cov stays. */
 static inline void gd_attitude_carry_covariance(gd_real *cov, const gd_attitude_transition *t) {
   static const uint8_t changed[6] = {0, 1, 2, 6, 7, 8};
-  gd_real rows[6][GD_ATTITUDE_STATES], column[GD_ATTITUDE_STATES], carried[6];
+  gd_real rows[6][GD_ATTITUDE_ROW], carried[6];
   int i, j;
-  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
-    for (i = 0; i < GD_ATTITUDE_STATES; i++) {
-      column[i] = cov[gd_place(i, j)];
-    }
-    gd_attitude_carry(carried, t, column);
-    for (i = 0; i < 6; i++) {
-      rows[i][j] = carried[i];
-    }
+  gd_attitude_carry_rows(rows, cov, t);
+  for (i = 0; i < 6; i++) {
+    gd_set_row(cov, changed[i], rows[i]);
   }
   for (i = 0; i < 6; i++) {
-    for (j = 0; j < GD_ATTITUDE_STATES; j++) {
-      cov[gd_place(changed[i], j)] = rows[i][j];
-    }
-  }
-  for (i = 0; i < 6; i++) {
-    gd_attitude_carry(carried, t, rows[i]);
-    for (j = 0; j < 6; j++) {
+    gd_attitude_carry(carried, i + 1, t, rows[i]);
+    for (j = 0; j <= i; j++) {
       cov[gd_place(changed[i], changed[j])] = carried[j];
     }
   }
@@ -153,13 +183,12 @@ static inline void gd_attitude_hold_heading(gd_real q[4], const gd_real before[4
   gd_turn_by(q, turn);
 }
 
-/* Carry mean and covariance of a hypothesis over a block whose rotation has the bias and scale of the reference.
-   `is_held`: it stands still, and its heading stays. */
-static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attitude_hypothesis *reference,
-                                       const gd_attitude_integrals *block, gd_real walk_var, gd_real noise_var,
+/* Carry the mean of a hypothesis over a block whose rotation has the bias and scale of the reference, and find the
+   transition of its covariance. `is_held`: it stands still, and its heading stays. */
+static inline void gd_attitude_predict(gd_attitude_transition *transition, gd_attitude_hypothesis *h,
+                                       const gd_attitude_hypothesis *reference, const gd_attitude_integrals *block,
                                        int is_held) {
   gd_real start[9], before[4], change[3], force[3], velocity[3], turn[4];
-  gd_attitude_transition transition;
   int i;
   gd_rotation_matrix(start, h->q);
   memcpy(before, h->q, sizeof before);
@@ -178,10 +207,16 @@ static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attit
   }
   h->moving_s += block->seconds;
   h->velocity[2] -= GD_ATTITUDE_GRAVITY * block->seconds;
-  gd_attitude_transition_of(&transition, start, velocity[2], block, is_held);
-  gd_attitude_carry_covariance(h->cov, &transition);
-  gd_repair(h->cov);
-  gd_attitude_add_noise(h->cov, block, walk_var, noise_var, is_held);
+  gd_attitude_transition_of(transition, start, velocity[2], block, is_held);
+}
+
+/* Carry its covariance. */
+static inline void gd_attitude_predict_covariance(gd_real *cov, const gd_attitude_transition *transition,
+                                                  const gd_attitude_integrals *block, gd_real walk_var,
+                                                  gd_real noise_var) {
+  gd_attitude_carry_covariance(cov, transition);
+  gd_repair(cov);
+  gd_attitude_add_noise(cov, block, walk_var, noise_var, transition->is_held);
 }
 
 #endif

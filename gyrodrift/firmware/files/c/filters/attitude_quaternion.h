@@ -151,6 +151,20 @@ static inline gd_real gd_tilt_deg(const gd_real q[4]) {
   return GD_ACOS(gd_max(GD_R(-1.0), gd_min(GD_R(1.0), upright - tilted))) / GD_ATTITUDE_RAD;
 }
 
+/* Roll, -180 to 180 deg: positive with the right side down. */
+static inline gd_real gd_roll_deg(const gd_real q[4]) {
+  gd_real up[3];
+  gd_up_in_sensor(up, q);
+  return GD_ATAN2(up[1], up[2]) / GD_ATTITUDE_RAD;
+}
+
+/* Pitch, -90 to 90 deg: positive with the nose down. */
+static inline gd_real gd_pitch_deg(const gd_real q[4]) {
+  gd_real up[3];
+  gd_up_in_sensor(up, q);
+  return GD_ATAN2(-up[0], GD_SQRT(up[1] * up[1] + up[2] * up[2])) / GD_ATTITUDE_RAD;
+}
+
 /* Attitude of heading 0 whose vertical has this direction in the sensor; identity for a zero vector. */
 static inline void gd_level(gd_real q[4], const gd_real v[3]) {
   const gd_real norm = GD_SQRT(gd_dot(v, v));

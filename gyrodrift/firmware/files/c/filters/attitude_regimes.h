@@ -89,20 +89,17 @@ static inline void gd_attitude_diagonal(gd_real out[9], const gd_real variance[3
   }
 }
 
-/* Update a hypothesis of rest by the candidate: its mean rates are the bias, and the velocity is 0. The first update of
-   a rest may find that the bias has jumped. */
-static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_attitude_candidate *m, gd_real overlap,
-                                            int is_first) {
-  const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
-  const gd_real speed = is_quiet ? GD_ATTITUDE_QUIET_SPEED : GD_ATTITUDE_NOISY_SPEED, none[3] = {0, 0, 0};
-  gd_real error[GD_ATTITUDE_STATES], variance[3], matrix[9], off[3], back[3];
+/* Update a hypothesis of rest by the candidate: its mean rates are the bias. The first update of a rest may find that
+   the bias has jumped. */
+static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, gd_real error[GD_ATTITUDE_STATES],
+                                            const gd_attitude_candidate *m, gd_real overlap, int is_first) {
+  gd_real variance[3], matrix[9], off[3];
   gd_attitude_innovation innovation;
   int i;
-  memset(error, 0, sizeof error);
+  memset(error, 0, GD_ATTITUDE_STATES * sizeof *error);
   gd_attitude_rest_variances(variance, h, m, overlap);
   for (i = 0; i < 3; i++) {
     off[i] = m->gyro[i] - h->bias[i];
-    back[i] = -h->velocity[i];
   }
   if (is_first) {
     gd_attitude_widen(h, off, variance);
@@ -110,6 +107,19 @@ static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_
   gd_attitude_diagonal(matrix, variance, GD_R(0.0));
   gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_BIAS, off, matrix);
   gd_attitude_measure(&innovation, h->cov, error);
+}
+
+/* Then its velocity is 0. */
+static inline void gd_attitude_measure_standing(gd_attitude_hypothesis *h, gd_real error[GD_ATTITUDE_STATES],
+                                                const gd_attitude_candidate *m) {
+  const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
+  const gd_real speed = is_quiet ? GD_ATTITUDE_QUIET_SPEED : GD_ATTITUDE_NOISY_SPEED, none[3] = {0, 0, 0};
+  gd_real matrix[9], back[3];
+  gd_attitude_innovation innovation;
+  int i;
+  for (i = 0; i < 3; i++) {
+    back[i] = -h->velocity[i];
+  }
   gd_attitude_diagonal(matrix, none, speed * speed);
   gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_VELOCITY, back, matrix);
   gd_attitude_measure(&innovation, h->cov, error);
@@ -140,29 +150,30 @@ static inline void gd_attitude_measure_turn(gd_attitude_hypothesis *h, const gd_
   gd_attitude_correct(h, error);
 }
 
-/* Logarithms of the weights of rest and of no rest, for each hypothesis, and the largest of all. `odds` are the prior
-   odds of a rest. */
-static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_motion, gd_attitude *a,
-                                            const gd_attitude_candidate *m, gd_real odds) {
-  const gd_real log_odds = odds > 0 ? GD_LOG(odds) : GD_ATTITUDE_LOG_LEAST;
-  gd_real variance[3], up[3], most = 0;
+/* Logarithms of the weights of rest and of no rest, for hypothesis `i`. */
+static inline void gd_attitude_weigh_branches(gd_attitude *a, gd_attitude_job *job, int i) {
+  const gd_attitude_candidate *m = &job->candidate;
+  const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+  gd_real variance[3], up[3];
+  gd_attitude_mean_variances(variance, m);
+  gd_attitude_vertical(up, h, m);
+  gd_attitude_weigh(&job->log_rest[i], &job->log_motion[i], a, h, m, up, variance);
+  job->log_rest[i] += job->odds > 0 ? GD_LOG(job->odds) : GD_ATTITUDE_LOG_LEAST;
+}
+
+/* The largest of these logarithms. */
+static inline gd_real gd_attitude_largest_log(const gd_attitude *a, const gd_attitude_job *job) {
+  gd_real most = job->log_rest[0];
   int i;
   for (i = 0; i < a->sum.count; i++) {
-    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    gd_attitude_mean_variances(variance, m);
-    gd_attitude_vertical(up, h, m);
-    gd_attitude_weigh(&log_rest[i], &log_motion[i], a, h, m, up, variance);
-    log_rest[i] += log_odds;
-    most = i == 0 ? log_rest[i] : most;
-    most = gd_max(most, gd_max(log_rest[i], log_motion[i]));
+    most = gd_max(most, gd_max(job->log_rest[i], job->log_motion[i]));
   }
   return most;
 }
 
-/* Hypotheses after a new candidate: of rest, which measure the bias, and of no rest. The list has the rests first. */
-static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidate *m, gd_real odds) {
-  gd_real log_rest[GD_ATTITUDE_SLOTS], log_motion[GD_ATTITUDE_SLOTS];
-  const gd_real most = gd_attitude_weigh_all(log_rest, log_motion, a, m, odds);
+/* Hypotheses after a new candidate: of rest, and of no rest. The list has the rests first. */
+static inline void gd_attitude_branch(gd_attitude *a, gd_attitude_job *job) {
+  const gd_real *log_rest = job->log_rest, *log_motion = job->log_motion, most = gd_attitude_largest_log(a, job);
   gd_attitude_sum *sum = &a->sum;
   uint8_t motions[GD_ATTITUDE_SLOTS];
   int i, rests = 0, turns = 0;
@@ -187,13 +198,16 @@ static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidat
     sum->order[rests + i] = motions[i];
   }
   sum->count = (uint8_t)(rests + turns);
-  for (i = 0; i < sum->count; i++) {
-    if (i < rests) {
-      gd_attitude_add_drift(a, gd_attitude_at(a, i));
-      gd_attitude_measure_rest(gd_attitude_at(a, i), m, GD_R(1.0), 1);
-    } else {
-      gd_attitude_measure_turn(gd_attitude_at(a, i), m);
-    }
+  job->rests = (uint8_t)rests;
+}
+
+/* Measure hypothesis `i` of them by the candidate. */
+static inline void gd_attitude_measure_branch(gd_attitude *a, gd_attitude_job *job, int i) {
+  if (i < job->rests) {
+    gd_attitude_add_drift(a, gd_attitude_at(a, i));
+    gd_attitude_measure_rest(gd_attitude_at(a, i), job->error, &job->candidate, GD_R(1.0), 1);
+  } else {
+    gd_attitude_measure_turn(gd_attitude_at(a, i), &job->candidate);
   }
 }
 

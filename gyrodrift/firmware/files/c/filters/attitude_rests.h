@@ -47,28 +47,37 @@ static inline void gd_attitude_add_block(gd_attitude_windows *w, const gd_attitu
   w->total += w->total < INT32_MAX;
 }
 
-/* Row of a block that ended `ago` blocks before the last one. */
-static inline const gd_real *gd_attitude_row(const gd_attitude_windows *w, int32_t ago) {
-  return w->rows[(w->slot + 2 * GD_ATTITUDE_LONGEST - 1 - ago) % GD_ATTITUDE_LONGEST];
+/* Row after one of the ring. */
+static inline const gd_real *gd_attitude_next_row(const gd_attitude_windows *w, const gd_real *row) {
+  return row == w->rows[GD_ATTITUDE_LONGEST - 1] ? w->rows[0] : row + 6;
 }
 
 /* Means (6) of the last blocks, sums (6) of squared deviations, and absolute means of deviations in the newer half. */
 static inline void gd_attitude_scatter(const gd_attitude_windows *w, int32_t blocks, gd_real mean[6],
                                        gd_real squares[6], gd_real newer[6]) {
+  const gd_real *const oldest = w->rows[(w->slot + GD_ATTITUDE_LONGEST - blocks) % GD_ATTITUDE_LONGEST], *row = oldest;
   const int32_t half = blocks / 2;
   int32_t ago;
   int i;
   for (i = 0; i < 6; i++) {
     mean[i] = squares[i] = newer[i] = 0;
-    for (ago = blocks - 1; ago >= 0; ago--) {
-      mean[i] += gd_attitude_row(w, ago)[i];
+  }
+  for (ago = blocks - 1; ago >= 0; ago--, row = gd_attitude_next_row(w, row)) {
+    for (i = 0; i < 6; i++) {
+      mean[i] += row[i];
     }
+  }
+  for (i = 0; i < 6; i++) {
     mean[i] /= (gd_real)blocks;
-    for (ago = blocks - 1; ago >= 0; ago--) {
-      const gd_real deviation = gd_attitude_row(w, ago)[i] - mean[i];
+  }
+  for (ago = blocks - 1, row = oldest; ago >= 0; ago--, row = gd_attitude_next_row(w, row)) {
+    for (i = 0; i < 6; i++) {
+      const gd_real deviation = row[i] - mean[i];
       squares[i] += deviation * deviation;
       newer[i] += ago < half ? deviation : GD_R(0.0);
     }
+  }
+  for (i = 0; i < 6; i++) {
     newer[i] = GD_ABS(newer[i] / (gd_real)half);
   }
 }

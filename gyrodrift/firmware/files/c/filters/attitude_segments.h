@@ -26,14 +26,17 @@ static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_can
   a->noise_var += GD_ATTITUDE_NOISE_SHARE * (noise_var - a->noise_var);
 }
 
-/* Branch all hypotheses by a new candidate. */
-static inline void gd_attitude_begin_segment(gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
-  gd_attitude_segment *segment = &a->segment;
+/* Prior odds of a new candidate. */
+static inline gd_real gd_attitude_prior_odds(const gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
   const int is_from_start = a->windows.total <= m->kind.blocks + GD_ATTITUDE_START_BLOCKS;
   const int is_at_first = is_from_start && !a->has_restarted; /* with `still_start` alone */
   const gd_real odds = (is_from_start ? a->c.start_odds : a->c.rest_odds) * (is_at_first ? 1 : GD_ATTITUDE_QUIET_ODDS);
-  gd_attitude_branch(a, m, is_certain ? GD_ATTITUDE_CERTAIN_ODDS : odds);
-  gd_attitude_merge_and_prune(&a->sum);
+  return is_certain ? GD_ATTITUDE_CERTAIN_ODDS : odds;
+}
+
+/* Begin a segment by a candidate that has branched all hypotheses. */
+static inline void gd_attitude_begin_segment(gd_attitude *a, const gd_attitude_candidate *m) {
+  gd_attitude_segment *segment = &a->segment;
   segment->blocks = m->kind.blocks;
   segment->since = segment->ago = 0;
   segment->seconds = (gd_real)m->kind.blocks * (gd_real)a->c.block_s;
@@ -90,16 +93,14 @@ static inline void gd_attitude_lengthen(gd_attitude *a) {
   segment->since = 0;
 }
 
-/* Measure the bias of hypotheses of rest again by a later window; they come first in the list. */
-static inline void gd_attitude_update_rest(gd_attitude *a, const gd_attitude_candidate *m, gd_real overlap) {
+/* Move the hypotheses of rest to the front of the list; returns their number. */
+static inline int gd_attitude_rests_first(gd_attitude *a) {
   gd_attitude_sum *sum = &a->sum;
   uint8_t others[GD_ATTITUDE_SLOTS];
-  int i, rests = 0, rest_count = 0, other_count = 0;
+  int i, rest_count = 0, other_count = 0;
   for (i = 0; i < sum->count; i++) {
     if (gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST) {
-      gd_attitude_measure_rest(gd_attitude_at(a, i), m, overlap, 0);
       sum->order[rest_count++] = sum->order[i];
-      rests = 1;
     } else {
       others[other_count++] = sum->order[i];
     }
@@ -107,59 +108,26 @@ static inline void gd_attitude_update_rest(gd_attitude *a, const gd_attitude_can
   for (i = 0; i < other_count; i++) {
     sum->order[rest_count + i] = others[i];
   }
-  if (rests) {
-    gd_attitude_merge_and_prune(sum);
-  }
+  return rest_count;
 }
 
-/* Begin, resume or lengthen a segment by a candidate that ends with this block. */
-static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_candidate *m, int is_certain,
-                                              int goes_on) {
+/* Resume or lengthen a segment by a candidate that ends with this block; returns whether its rests are measured again,
+   with `overlap`. */
+static inline int gd_attitude_continue_segment(gd_attitude *a, const gd_attitude_candidate *m, gd_real *overlap) {
   gd_attitude_segment *segment = &a->segment;
-  if (!goes_on) {
-    gd_attitude_begin_segment(a, m, is_certain);
-  } else if (segment->blocks == 0) {
-    segment->blocks = m->kind.blocks;
-    segment->since = 0;
-    gd_attitude_update_rest(a, m, GD_R(1.0));
-  } else {
-    segment->blocks = m->kind.blocks;
-    segment->since += 1;
-    if (segment->since >= GD_ATTITUDE_UPDATE_BLOCKS) {
-      const gd_real overlap = (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS;
-      gd_attitude_let_drift(a);
-      gd_attitude_lengthen(a);
-      gd_attitude_update_rest(a, m, gd_max(overlap, GD_R(1.0)));
-    }
+  const int resumes = segment->blocks == 0;
+  segment->blocks = m->kind.blocks;
+  segment->since = resumes ? 0 : segment->since + 1;
+  *overlap = GD_R(1.0);
+  if (!resumes && segment->since < GD_ATTITUDE_UPDATE_BLOCKS) {
+    return 0;
   }
-}
-
-/* Find a rest candidate that ends with this block, and branch or update the hypotheses by it. */
-static inline void gd_attitude_follow_rest(gd_attitude *a) {
-  gd_attitude_candidate m;
-  const int is_resting = a->segment.blocks > 0 || gd_attitude_at(a, 0)->knows_bias;
-  int is_certain, is_found, goes_on;
-  if (a->block.moving > 0) {
-    a->windows.blocks = 0;
+  if (!resumes) {
+    *overlap = gd_max(GD_R(1.0), (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS);
+    gd_attitude_let_drift(a);
+    gd_attitude_lengthen(a);
   }
-  is_certain = gd_attitude_certain_rest(&m, a);
-  is_found = is_certain || gd_attitude_find_rest(&m, &a->windows, a->c.limits, is_resting);
-  goes_on = is_found && gd_attitude_continues(a, &m);
-  if (is_found && !is_certain && a->segment.blocks > 0 && !goes_on) {
-    a->windows.blocks = 1; /* the next window has blocks of the new level alone */
-    is_found = 0;
-  }
-  if (is_found) {
-    gd_attitude_take_candidate(a, &m, is_certain, goes_on);
-  } else {
-    gd_attitude_end_segment(a);
-  }
-  if (is_certain) {
-    gd_attitude_keep_rests(&a->sum);
-  }
-  if (is_found && a->rest_probability > GD_ATTITUDE_MEASURED) {
-    gd_attitude_learn_noise(a, &m);
-  }
+  return 1;
 }
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_UPDATE_H
 #define GD_ATTITUDE_UPDATE_H
 
+#include "attitude_aided.h"
 #include "attitude_block.h"
 #include "attitude_levelling.h"
 #include "attitude_predict.h"
@@ -147,25 +148,16 @@ static inline void gd_attitude_widen_by_motion(gd_attitude *a, gd_real seconds) 
   }
 }
 
-/* Carry all hypotheses over a block; without acceleration its specific force is gravity alone. The first hypothesis is
-   the reference: the block has its bias and scale. */
-static inline void gd_attitude_predict_all(gd_attitude *a, const gd_attitude_integrals *block, int is_blind) {
-  const gd_attitude_hypothesis *reference = gd_attitude_at(a, 0);
-  const gd_real travelled_deg = a->heading_deg - a->start_deg;
-  gd_attitude_integrals usable = *block;
-  int i;
-  if (is_blind) {
-    gd_up_in_sensor(usable.velocity, reference->q);
-    for (i = 0; i < 3; i++) {
-      usable.velocity[i] *= GD_ATTITUDE_GRAVITY * block->seconds;
-    }
-  }
-  for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    const int is_held = gd_attitude_is_standing(a, h, block);
-    h->yaw_deg += is_held ? GD_R(0.0) : travelled_deg;
-    gd_attitude_predict(h, reference, &usable, a->c.walk_var, a->noise_var, is_held);
-  }
+/* Carry hypothesis `i` over the block. The first one is the reference: the block has its bias and scale. */
+static inline void gd_attitude_predict_one(gd_attitude *a, gd_attitude_job *job, int i) {
+  gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+  gd_attitude_integrals usable = job->block;
+  const int is_held = gd_attitude_is_standing(a, h, &usable);
+  memcpy(usable.velocity, job->usable_velocity, sizeof usable.velocity);
+  usable.by_bias = a->block.by_bias;
+  usable.by_scale = a->block.by_scale;
+  h->yaw_deg += is_held ? GD_R(0.0) : job->heading_deg - a->start_deg;
+  gd_attitude_predict(&job->transition, h, gd_attitude_at(a, 0), &usable, is_held);
 }
 
 /* Whether all hypotheses are numbers, with biases that a gyro may have. */
@@ -184,48 +176,17 @@ static inline int gd_attitude_is_whole(gd_attitude *a) {
 }
 
 /* Begin again at the last yaw, of which nothing more is known: damaged samples have made the numbers infinite. */
-static inline void gd_attitude_begin_again(gd_attitude *a) {
+static inline void gd_attitude_begin_again(gd_attitude *a, gd_real heading_deg) {
   const int32_t turns = a->turns;
   memset(&a->windows, 0, sizeof a->windows);
   memset(&a->segment, 0, sizeof a->segment);
   memset(&a->motion, 0, sizeof a->motion);
   a->motion.mean_force[2] = GD_ATTITUDE_GRAVITY;
-  a->yaw_deg = a->heading_deg;
+  a->yaw_deg = heading_deg;
   a->yaw_sigma_deg = GD_R(180.0);
   gd_attitude_begin(a, a->accel_mps2);
   a->turns += turns;
   gd_attitude_set_heading(a, a->heading_deg);
-}
-
-/* Update all hypotheses by a finished block, and begin the next one. */
-static inline void gd_attitude_end_block(gd_attitude *a) {
-  gd_attitude_integrals block;
-  int i, is_blind;
-  gd_attitude_integrals_of(&block, &a->block);
-  is_blind = a->block.is_clipped || !gd_are_finite(block.velocity);
-  gd_attitude_predict_all(a, &block, is_blind);
-  gd_attitude_widen_by_tilt(a);
-  gd_attitude_widen_by_motion(a, block.seconds);
-  if (is_blind) {
-    gd_attitude_forget_velocity(a);
-  } else {
-    gd_attitude_find_lost_tilt(a, &block);
-    gd_attitude_level_start(a, &block);
-    gd_attitude_bound_velocity(a, block.seconds, a->segment.blocks > 0);
-  }
-  gd_attitude_add_block(&a->windows, &block);
-  gd_attitude_follow_rest(a);
-  if (!gd_attitude_is_whole(a)) {
-    gd_attitude_begin_again(a);
-    return;
-  }
-  gd_attitude_bring_forward(&a->sum);
-  for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_at(a, i)->yaw_deg = gd_unwrapped_deg(gd_attitude_at(a, i)->yaw_deg, gd_attitude_at(a, i)->q);
-  }
-  gd_attitude_count_turns(a);
-  gd_attitude_publish(a);
-  gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
 }
 
 #endif

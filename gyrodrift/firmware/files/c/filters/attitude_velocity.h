@@ -104,22 +104,27 @@ static inline gd_real gd_attitude_measure_velocity(gd_attitude_hypothesis *h, gd
   return gd_attitude_log_likelihood(&m);
 }
 
-/* Measure a velocity of 0 that is off by the speed of bounded motions; weigh the hypotheses by it. Not during a rest
-   candidate: rest and even turn predict the same accelerations, and no weight changes. */
-static inline void gd_attitude_bound_velocity(gd_attitude *a, gd_real seconds, int is_still) {
-  const gd_real factor = gd_attitude_speed_factor(a, seconds);
-  const gd_real share = gd_attitude_share_of_vertical(a, seconds, factor);
-  const gd_real variance =
-      factor * (GD_ATTITUDE_SPEED * GD_ATTITUDE_SPEED) * GD_R(2.0) * GD_ATTITUDE_CORRELATION_S / seconds;
-  gd_real log_likelihood[GD_ATTITUDE_SLOTS], most = 0;
+/* Find how far a velocity of 0 can be trusted that is off by the speed of bounded motions. */
+static inline void gd_attitude_begin_velocity(gd_attitude *a, gd_attitude_job *job) {
+  const gd_real seconds = job->block.seconds;
+  job->factor = gd_attitude_speed_factor(a, seconds);
+  job->share = gd_attitude_share_of_vertical(a, seconds, job->factor);
+  job->velocity_var =
+      job->factor * (GD_ATTITUDE_SPEED * GD_ATTITUDE_SPEED) * GD_R(2.0) * GD_ATTITUDE_CORRELATION_S / seconds;
+}
+
+/* Weigh the hypotheses by that velocity. Not during a rest candidate: rest and even turn predict the same
+   accelerations, and no weight changes. */
+static inline void gd_attitude_weigh_velocity(gd_attitude *a, const gd_attitude_job *job) {
+  const gd_real *log_likelihood = job->log_rest;
+  gd_real most = log_likelihood[0];
   int i;
-  for (i = 0; i < a->sum.count; i++) {
-    log_likelihood[i] = gd_attitude_measure_velocity(gd_attitude_at(a, i), variance, share);
-    most = i == 0 ? log_likelihood[i] : gd_max(most, log_likelihood[i]);
+  for (i = 1; i < a->sum.count; i++) {
+    most = gd_max(most, log_likelihood[i]);
   }
-  if (a->sum.count > 1 && !is_still) {
+  if (a->sum.count > 1 && a->segment.blocks <= 0) {
     for (i = 0; i < a->sum.count; i++) {
-      gd_attitude_at(a, i)->weight *= GD_EXP(GD_ATTITUDE_LIKELIHOOD_SHARE / factor * (log_likelihood[i] - most));
+      gd_attitude_at(a, i)->weight *= GD_EXP(GD_ATTITUDE_LIKELIHOOD_SHARE / job->factor * (log_likelihood[i] - most));
     }
     gd_attitude_normalize(&a->sum);
   }

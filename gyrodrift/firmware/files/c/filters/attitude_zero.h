@@ -7,6 +7,7 @@
 /* Restarts the yaw sigma at the last sample: from here on it is that of the yaw turned since. `yaw_deg` stays. */
 static inline void gd_attitude_zero(gd_attitude *a) {
   int i;
+  gd_attitude_catch_up(a);
   for (i = 0; a->samples > 0 && i < a->sum.count; i++) {
     gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     gd_real turn[3] = {0, 0, 0};

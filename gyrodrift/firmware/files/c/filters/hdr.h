@@ -14,8 +14,11 @@ typedef struct {
   gd_real yaw_deg;
   gd_real bias_dps; /* drift estimate, -I */
   uint32_t samples, rejected;
-  double t_s;     /* of the last sample */
-  uint32_t t_us;  /* likewise, of gd_hdr_update_us */
+  union { /* time of the last sample, by the clock in use */
+    double t_s;
+    uint32_t t_us;
+  };
+  uint32_t suspect_us; /* see gd_step_of_us */
   gd_real lpf_dps, i_dps, omega_dps, omega_d_dps;
   gd_real yaw_lost_deg, lpf_lost_dps, i_lost_dps; /* what the sums have lost; 0 in double */
   uint32_t run;       /* number of equal signs in a row */
@@ -103,9 +106,15 @@ static inline int gd_hdr_update(gd_hdr *h, double t_s, gd_real rate_dps) {
   return 1;
 }
 
-/* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the two functions. */
+/* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the two functions. Yaw is held
+   over a pause of more than 10 s. */
 static inline int gd_hdr_update_us(gd_hdr *h, uint32_t t_us, gd_real rate_dps) {
-  const double dt_s = gd_step_of_us(t_us, h->t_us);
+  const double dt_s = gd_step_of_us(t_us, h->t_us, &h->suspect_us);
+  const gd_real yaw_deg = h->yaw_deg;
+  if (dt_s < 0.0 && h->samples > 0 && gd_is_within(0.0, rate_dps)) {
+    gd_count(&h->samples);
+    return 1;
+  }
   if (!gd_is_within(0.0, rate_dps) || (h->samples > 0 && !(dt_s > 0.0))) {
     gd_count(&h->rejected);
     return 0;
@@ -114,8 +123,9 @@ static inline int gd_hdr_update_us(gd_hdr *h, uint32_t t_us, gd_real rate_dps) {
     gd_hdr_first(h, rate_dps);
   } else {
     gd_hdr_advance(h, (gd_real)dt_s, rate_dps);
+    h->yaw_deg = dt_s > GD_FAR_S ? yaw_deg : h->yaw_deg;
   }
-  h->t_us = t_us;
+  h->t_us = h->suspect_us = t_us;
   return 1;
 }
 

@@ -52,6 +52,10 @@ _Static_assert(_Generic((gd_real)0, float: 1, double: 1, default: 0), "GD_REAL m
 #define GD_MOST_DPS GD_R(1e12)
 #define GD_LEAST_STEP_S 1e-12
 
+/* Longest step of a clock of 32 bits that is not in doubt: GD_POWER_CYCLE_S, the gap after which the bias is. */
+#define GD_FAR_S 10.0
+#define GD_FAR_US ((uint32_t)(GD_FAR_S * 1e6))
+
 static inline gd_real gd_min(gd_real a, gd_real b) { return b < a ? b : a; }
 static inline gd_real gd_max(gd_real a, gd_real b) { return b > a ? b : a; }
 
@@ -76,10 +80,18 @@ static inline int gd_is_within(double t_s, gd_real rate_dps) {
   return -GD_MOST_S <= t_s && t_s <= GD_MOST_S && -GD_MOST_DPS <= rate_dps && rate_dps <= GD_MOST_DPS;
 }
 
-/* Step of a clock of 32 bits in s. It wraps, and half of its range counts as back: then the step is 0. */
-static inline double gd_step_of_us(uint32_t t_us, uint32_t before_us) {
-  const uint32_t step_us = t_us - before_us;
-  return step_us < 0x80000000UL ? (double)step_us * 1e-6 : 0.0;
+/* Step of a clock of 32 bits in s, which wraps; 0 if the sample is refused, and below 0 if it waits for the next one.
+
+   A stamp that goes back or far ahead may be damaged, or the samples had a pause of which a clock that wraps does not
+   know the length. The next stamp decides: if it follows that stamp there was a gap, else that stamp alone is left out.
+   `suspect_us` keeps the stamp meanwhile; else it is `before_us`. */
+static inline double gd_step_of_us(uint32_t t_us, uint32_t before_us, uint32_t *suspect_us) {
+  const uint32_t step_us = t_us - before_us, after_us = t_us - *suspect_us;
+  if (step_us > GD_FAR_US && (*suspect_us == before_us || after_us == 0 || after_us >= 0x80000000UL)) {
+    *suspect_us = t_us;
+    return step_us < 0x80000000UL ? -1.0 : 0.0;
+  }
+  return (double)step_us * 1e-6;
 }
 
 #endif

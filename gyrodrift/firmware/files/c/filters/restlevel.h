@@ -11,7 +11,6 @@
 #define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
 #define GD_MIN_BLOCK_SAMPLES 6   /* the variance of fewer samples is too uncertain */
 #define GD_SAME_TIME_S 1e-6 /* times that differ by less are the same */
-#define GD_TURN_DEG GD_R(30.0)   /* angle of a turn: errors of scale are equal within it */
 
 static inline void gd_rl_set_coefficients(gd_rl_coefficients *c, const gd_restlevel_params *p) {
   const gd_real turn_on_var = p->turn_on_dps * p->turn_on_dps;
@@ -32,7 +31,8 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   memset(s, 0, sizeof *s);
   gd_rl_set_coefficients(&s->c, params != NULL && is_valid ? params : &defaults);
   s->confidence = GD_R(1.0);
-  s->noise.sample_var = s->noise.last_block_var = s->noise.resolution_dps = s->noise.angle_walk_var = GD_R(-1.0);
+  s->noise.sample_var = s->noise.last_block_var = s->noise.angle_walk_var = GD_R(-1.0);
+  s->resolution_dps = s->noise.resolution_dps = GD_R(-1.0);
   s->segment.sensor_odds = s->ended.sensor_odds = GD_R(1.0);
   s->ended.blocks_ago = GD_NEVER;
   s->wander.step_dps = GD_UNKNOWN_STEP_DPS;
@@ -47,32 +47,12 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   return is_valid;
 }
 
-/* Yaw at the last sample by the estimates of the beginning of the block, without `base_deg`. */
-static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
-  return s->moments.yaw_deg + s->block.angle_deg - s->bias_dps * (gd_real)s->block.seconds;
-}
-
-/* Sets yaw and its sigma after a sample, part way through a block. */
-static inline void gd_rl_set_yaw(gd_restlevel *s) {
-  const gd_rl_moments *m = &s->moments;
-  const gd_real seconds = (gd_real)s->block.seconds;
-  const gd_real yaw_deg = gd_rl_expected_deg(s);
-  const gd_real net_deg = yaw_deg - s->start_yaw_deg;
-  const gd_real scale_var =
-      s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
-  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var);
-  const gd_real moving_var = seconds * (m->bias_var * seconds - GD_R(2.0) * m->covariance + angle_walk_var);
-  const gd_real yaw_var = m->yaw_var + moving_var + scale_var;
-  s->yaw_deg = GD_IS_FLOAT ? s->base_deg + yaw_deg : yaw_deg;
-  s->yaw_sigma_deg = GD_SQRT(gd_max(GD_R(0.0), GD_IS_FLOAT ? gd_min(GD_R(1e38), yaw_var) : yaw_var));
-}
-
 static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_dps) {
-  gd_rl_block *block = &s->block;
+  gd_rl_block *block = &s->GD_RL_SUMS;
   const gd_real step_dps = GD_ABS(rate_dps - s->rate_dps);
   gd_real above_dps;
-  if (step_dps > GD_R(0.0) && (step_dps < s->noise.resolution_dps || s->noise.resolution_dps < GD_R(0.0))) {
-    s->noise.resolution_dps = step_dps;
+  if (step_dps > GD_R(0.0) && (step_dps < s->resolution_dps || s->resolution_dps < GD_R(0.0))) {
+    s->resolution_dps = step_dps;
   }
   if (block->samples == 0) {
     block->origin_dps = rate_dps;
@@ -80,7 +60,7 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   above_dps = rate_dps - block->origin_dps;
   block->seconds += dt_s;
   gd_count(&block->samples);
-  if (!(step_dps > GD_R(0.0)) && s->noise.resolution_dps > GD_R(0.0) && s->noise.resolution_dps <= GD_FINE_DPS) {
+  if (!(step_dps > GD_R(0.0)) && s->resolution_dps > GD_R(0.0) && s->resolution_dps <= GD_FINE_DPS) {
     gd_count(&block->repeats);
   }
   block->sum_dps += above_dps;
@@ -90,17 +70,13 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   gd_count(&s->samples);
 }
 
-/* Stores a step of yaw that is no motion, and counts it if it is large. */
-static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_real expected_deg) {
-  s->correction_deg = s->moments.yaw_deg - expected_deg + (s->base_deg - base_deg);
-  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG && s->corrections < UINT8_MAX) {
-    ++s->corrections;
-  }
-}
-
 /* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
   s->correction_deg = GD_R(0.0);
+  if (dt_s < 0.0) { /* the sample waits */
+    gd_count(&s->samples);
+    return;
+  }
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
@@ -108,33 +84,41 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
   }
 #if GD_RESTLEVEL_GAPS
   if (s->samples > 0 && dt_s > s->longest_step_s) {
-    const gd_real expected_deg = gd_rl_expected_deg(s);
+    gd_real expected_deg;
+    gd_rl_catch_up(s);
+    expected_deg = gd_rl_expected_deg(s);
     gd_rl_pass_gap(s, dt_s, rate_dps);
     gd_rl_count_correction(s, s->base_deg, expected_deg);
     dt_s = 0.0;
   }
 #endif
   gd_rl_add_sample(s, dt_s, rate_dps);
-  if (s->block.seconds > s->c.window_s - GD_SAME_TIME_S && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
-    const gd_real base_deg = s->base_deg, expected_deg = gd_rl_expected_deg(s);
+  if (s->GD_RL_SUMS.seconds > s->c.window_s - GD_SAME_TIME_S && s->GD_RL_SUMS.samples >= GD_MIN_BLOCK_SAMPLES) {
     gd_rl_end_block(s);
-    gd_rl_count_correction(s, base_deg, expected_deg);
   }
   gd_rl_set_yaw(s);
+}
+
+/* Whether the next sample may have any time. */
+static inline int gd_rl_has_restarted(const gd_restlevel *s) {
+#if GD_RESTLEVEL_GAPS
+  return s->longest_step_s < GD_TOLD_GAP;
+#else
+  (void)s;
+  return 0;
+#endif
 }
 
 /* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
    may have restarted too. */
 static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_real rate_dps) {
-#if GD_RESTLEVEL_GAPS
-  if (s->longest_step_s < GD_TOLD_GAP && !(*dt_s >= GD_LEAST_STEP_S)) {
+  if (gd_rl_has_restarted(s) && !(*dt_s >= GD_LEAST_STEP_S)) {
     *dt_s = GD_LEAST_STEP_S;
   }
-#endif
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
 #if GD_RESTLEVEL_AUXILIARY && GD_RESTLEVEL_GAPS
     if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */
-      s->witness.has_moved = s->witness.has_silence = 0;
+      s->witness.is_moving = s->witness.is_silent = 0;
     }
 #endif
     return 1;
@@ -143,10 +127,27 @@ static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_re
   return 0;
 }
 
+/* The same by the clock of microseconds; the step of a sample that waits is below 0. Where the rule for gaps is left
+   out, yaw is held over a pause of more than 10 s. */
+static inline int gd_rl_accepts_us(gd_restlevel *s, uint32_t t_us, double *dt_s, gd_real rate_dps) {
+  const double step_s = gd_step_of_us(t_us, s->t_us, &s->suspect_us);
+  const int waits = step_s < 0.0 && s->samples > 0 && !gd_rl_has_restarted(s);
+  *dt_s = waits || (!GD_RESTLEVEL_GAPS && step_s > GD_FAR_S) ? GD_LEAST_STEP_S : step_s;
+  if (!gd_rl_accepts(s, 0.0, dt_s, rate_dps)) {
+    return 0;
+  }
+  if (waits) {
+    *dt_s = step_s;
+  } else {
+    s->t_us = s->suspect_us = t_us;
+  }
+  return 1;
+}
+
 /* Takes an accepted sample without a rest sensor and a temperature. */
 static inline void gd_rl_advance_alone(gd_restlevel *s, double dt_s, gd_real rate_dps) {
 #if GD_RESTLEVEL_AUXILIARY
-  s->witness.has_silence = 1;
+  s->witness.is_silent = 1;
 #endif
   gd_rl_advance(s, s->samples > 0 ? dt_s : 0.0, rate_dps);
 }
@@ -167,13 +168,33 @@ static inline int gd_restlevel_update(gd_restlevel *s, double t_s, gd_real rate_
 
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
 static inline int gd_restlevel_update_us(gd_restlevel *s, uint32_t t_us, gd_real rate_dps) {
-  double dt_s = gd_step_of_us(t_us, s->t_us);
-  if (!gd_rl_accepts(s, 0.0, &dt_s, rate_dps)) {
+  double dt_s;
+  if (!gd_rl_accepts_us(s, t_us, &dt_s, rate_dps)) {
     return 0;
   }
-  s->t_us = t_us;
   gd_rl_advance_alone(s, dt_s, rate_dps);
   return 1;
 }
+
+#if GD_RESTLEVEL_WORK
+
+/* Does a portion of the work at the end of a block; returns whether more is left. Call it between samples, as often as
+   there is time: then gd_restlevel_update only sums up, and the estimates follow some samples later. What is left when
+   the next block ends, gd_restlevel_update does itself. Without any call it does all the work, at the last sample of a
+   block. The results are the same bits in each case. */
+static inline int gd_restlevel_work(gd_restlevel *s) {
+  s->work.is_divided = 1;
+  if (s->work.stage == GD_RL_IDLE) {
+    return 0;
+  }
+  gd_rl_do_portion(s, &s->work);
+  if (s->work.stage != GD_RL_IDLE) {
+    return 1;
+  }
+  gd_rl_set_yaw(s);
+  return 0;
+}
+
+#endif
 
 #endif

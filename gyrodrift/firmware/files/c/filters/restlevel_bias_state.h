@@ -58,9 +58,15 @@ typedef struct {
   gd_real since_s;         /* since the last rest */
   uint16_t refuted;        /* number of refutations */
   uint8_t agreeing_blocks; /* last contradicting blocks that agree with each other */
-  uint8_t has_moved : 1, has_silence : 1; /* a sample of the block was in motion; a sample was not reported at rest */
+  uint8_t is_moving : 1, is_silent : 1;   /* a sample was in motion, or not reported at rest: in the present block */
+  uint8_t has_moved : 1, has_silence : 1; /* likewise in the block that has ended */
   uint8_t is_reporting_rest : 1, was_certain : 1, is_believed : 1;
 } gd_rl_witness;
+
+/* Mean and variances of the block of a certain rest. */
+typedef struct {
+  gd_real mean_dps, mean_var, flicker_var, ramp_var;
+} gd_rl_still;
 
 /* Bias against temperature. */
 typedef struct {

@@ -8,17 +8,6 @@
 #include "restlevel_segments.h"
 #include "restlevel_slide.h"
 
-/* Rests that begin, until they are merged and pruned with the rest of the hypotheses. */
-typedef struct {
-  gd_rl_hypothesis items[GD_RL_STORED];
-  uint8_t count;
-} gd_rl_rests;
-
-/* Mean of a segment, its variance, and the prior odds of a rest. */
-typedef struct {
-  gd_real mean_dps, mean_var, odds;
-} gd_rl_level;
-
 /* Sets yaw and its covariance of `to` to their values in `h` at the beginning of the segment. */
 static inline void gd_rl_go_back(const gd_rl_hypothesis *h, gd_rl_hypothesis *to) {
   to->yaw_deg = h->checkpoint.yaw_deg;
@@ -35,10 +24,11 @@ static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothe
   rest->is_at_rest = 1;
   rest->was_at_rest = 0;
   gd_rl_begin_rest(rest, &s->wander, level->odds, s->noise.sample_var, level->mean_dps - h->bias_dps);
-  rest->weight =
-      h->weight * GD_EXP(gd_rl_first_kalman_update(&s->c, rest, level->mean_dps, level->mean_var));
-  gd_rl_weigh_rest(rest, (gd_real)s->segment.seconds, s->segment.sensor_odds);
-  gd_rl_mark_safe(rest);
+}
+
+/* Updates it by the mean of the segment. */
+static inline void gd_rl_update_branch(const gd_restlevel *s, gd_rl_hypothesis *rest, const gd_rl_level *level) {
+  rest->weight *= GD_EXP(gd_rl_first_kalman_update(&s->c, rest, level->mean_dps, level->mean_var));
 }
 
 /* First slot from `slot` on that no hypothesis has. */
@@ -52,21 +42,14 @@ static inline uint8_t gd_rl_free_slot(const gd_restlevel *s, uint8_t slot) {
   return slot;
 }
 
-/* Makes a rest of each hypothesis in motion, in the free slots. */
-static inline void gd_rl_branch_rests(const gd_restlevel *s, gd_rl_rests *rests, const gd_rl_level *level) {
-  uint8_t k, slot = gd_rl_free_slot(s, 0);
-  rests->count = 0;
-  for (k = 0; k < s->stored; ++k) {
-    if (!s->hypotheses[k].is_at_rest) {
-      gd_rl_hypothesis *rest = &rests->items[rests->count];
-      gd_rl_begin_branch(s, &s->hypotheses[k], rest, level);
-      rest->slot = (uint8_t)(slot & 15);
-      if (rest->weight > GD_R(0.0)) {
-        slot = gd_rl_free_slot(s, (uint8_t)(slot + 1));
-        ++rests->count;
-      }
-    }
-  }
+/* Weighs a rest that has begun, and gives it a free slot if it is probable. */
+static inline void gd_rl_end_branch(const gd_restlevel *s, gd_rl_rests *rests) {
+  gd_rl_hypothesis *rest = &rests->items[rests->count];
+  const uint8_t next = rests->count > 0 ? (uint8_t)(rests->items[rests->count - 1].slot + 1) : 0;
+  gd_rl_weigh_rest(rest, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+  gd_rl_mark_safe(rest);
+  rest->slot = (uint8_t)(gd_rl_free_slot(s, next) & 15);
+  rests->count = (uint8_t)(rests->count + (rest->weight > GD_R(0.0)));
 }
 
 /* Lists hypotheses and new rests in the order of their slots. */
@@ -89,38 +72,34 @@ static inline void gd_rl_store(gd_restlevel *s, const gd_rl_hypothesis *rest) {
   s->hypotheses[k] = *rest;
 }
 
-static inline void gd_rl_branch_by(gd_restlevel *s, const gd_rl_level *level) {
-  gd_rl_rests rests;
-  gd_rl_list list;
+/* Keeps the rests that are left after the merge. */
+static inline void gd_rl_store_rests(gd_restlevel *s, gd_rl_rests *rests) {
   uint8_t j;
   gd_rl_close_gaps(s);
-  gd_rl_branch_rests(s, &rests, level);
-  gd_rl_list_all(s, &rests, &list);
-  gd_rl_merge_and_prune_list(&list);
-  gd_rl_close_gaps(s);
-  for (j = 0; j < rests.count; ++j) {
-    if (rests.items[j].weight > GD_R(0.0)) {
-      gd_rl_store(s, &rests.items[j]);
+  for (j = 0; j < rests->count; ++j) {
+    if (rests->items[j].weight > GD_R(0.0)) {
+      gd_rl_store(s, &rests->items[j]);
     }
   }
+  rests->count = 0;
 }
 
-/* Branches each hypothesis at a confirmed segment into a spin, and a rest that begins where the segment began. */
-static inline void gd_rl_branch(gd_restlevel *s, gd_real seconds) {
+/* Level of a confirmed segment, which branches each hypothesis into a spin, and a rest that begins where it began. */
+static inline gd_rl_level gd_rl_confirmed_level(const gd_restlevel *s, gd_real seconds) {
   gd_rl_level level;
   level.mean_dps = s->segment.mean_dps;
   level.mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
   level.odds = gd_rl_is_from_start(s, seconds) ? s->c.start_odds : s->c.rest_odds;
-  gd_rl_branch_by(s, &level);
+  return level;
 }
 
-/* Branches each hypothesis at the end of a short rest from the start. */
-static inline void gd_rl_branch_at_end(gd_restlevel *s, gd_real seconds) {
+/* Level of a short rest from the start, which branches each hypothesis at its end. */
+static inline gd_rl_level gd_rl_short_level(const gd_restlevel *s, gd_real seconds) {
   gd_rl_level level;
   level.mean_dps = s->ended.mean_dps;
   level.mean_var = s->noise.angle_walk_var / (seconds * (gd_real)s->ended.short_start_blocks);
   level.odds = s->c.rest_odds;
-  gd_rl_branch_by(s, &level);
+  return level;
 }
 
 #endif

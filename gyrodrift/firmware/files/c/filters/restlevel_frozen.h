@@ -12,7 +12,7 @@ static inline void gd_rl_detect_freeze(gd_restlevel *s) {
   const gd_real step_dps = noise->resolution_dps;
   const int is_noisy =
       noise->is_walk_measured && noise->sample_var > GD_NOISE_STEPS * GD_NOISE_STEPS * step_dps * step_dps;
-  const int is_zero = s->rate_dps == GD_R(0.0) && s->bias_dps * s->bias_dps <= noise->sample_var;
+  const int is_zero = s->block.origin_dps == GD_R(0.0) && s->bias_dps * s->bias_dps <= noise->sample_var;
   noise->is_frozen = s->block.sum_squares == GD_R(0.0) && is_noisy && GD_R(0.0) < step_dps &&
                      step_dps <= GD_FINE_DPS && !is_zero;
   if (noise->is_frozen) {

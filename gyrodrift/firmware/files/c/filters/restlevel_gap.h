@@ -2,7 +2,7 @@
 #ifndef GD_RESTLEVEL_GAP_H
 #define GD_RESTLEVEL_GAP_H
 
-#include "restlevel_block.h"
+#include "restlevel_portions.h"
 
 #if GD_RESTLEVEL_GAPS
 
@@ -10,12 +10,12 @@
 static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
   gd_rl_forget_segments(s);
 #if GD_RESTLEVEL_AUXILIARY
-  s->lived_s += s->block.seconds + step_s;
+  s->lived_s += s->GD_RL_SUMS.seconds + step_s;
   s->witness.was_certain = 0;
 #else
   (void)step_s;
 #endif
-  memset(&s->block, 0, sizeof s->block);
+  memset(&s->GD_RL_SUMS, 0, sizeof s->GD_RL_SUMS);
 }
 
 /* Goes over a gap to a sample that comes `step_s` later with this rate. The sample then begins a block. */
@@ -27,7 +27,7 @@ static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_d
       gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
   const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
   uint8_t k;
-  gd_rl_predict(s, s->block.angle_deg, (gd_real)s->block.seconds, angle_walk_var);
+  gd_rl_predict(s, s->GD_RL_SUMS.angle_deg, (gd_real)s->GD_RL_SUMS.seconds, angle_walk_var);
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     h->is_at_rest = h->was_at_rest = 0;

@@ -117,16 +117,10 @@ static inline void gd_rl_leave_segment(gd_restlevel *s) {
   }
 }
 
-/* Weighs rests that have ended gradually, and restores their safe bias. */
-static inline void gd_rl_end_gradually(gd_restlevel *s) {
-  uint8_t k;
-  for (k = 0; k < s->stored; ++k) {
-    if (s->hypotheses[k].was_at_rest) {
-      gd_rl_weigh_gradual_end(&s->hypotheses[k], (gd_real)s->ended.seconds, s->ended.sensor_odds);
-      gd_rl_restore_safe_bias(&s->hypotheses[k]);
-    }
-  }
-  gd_rl_normalise(s);
+/* Weighs a rest that has ended gradually, and restores its safe bias. */
+static inline void gd_rl_end_gradually(const gd_restlevel *s, gd_rl_hypothesis *h) {
+  gd_rl_weigh_gradual_end(h, (gd_real)s->ended.seconds, s->ended.sensor_odds);
+  gd_rl_restore_safe_bias(h);
 }
 
 /* Weighs hypotheses with a rest by the share of noisy rests, if the noise has dropped. */
@@ -158,47 +152,36 @@ static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real sec
   }
 }
 
-/* Resumes the segment before: rests go on, and the blocks between them are no evidence. */
-static inline void gd_rl_resume(gd_restlevel *s, gd_real seconds) {
+/* Resumes a rest of the segment before: it goes on, and the blocks between are no evidence. */
+static inline void gd_rl_resume(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
-  uint8_t k;
-  for (k = 0; k < s->stored; ++k) {
-    gd_rl_hypothesis *h = &s->hypotheses[k];
-    if (h->was_at_rest) {
-      gd_rl_go_back(h, h);
-      if (s->ended.ended_gradually) {
-        gd_rl_undo_safe_bias(h);
-      }
-      gd_rl_first_kalman_update(&s->c, h, s->segment.mean_dps, mean_var);
-      h->is_at_rest = 1;
-      gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
-    }
+  gd_rl_go_back(h, h);
+  if (s->ended.ended_gradually) {
+    gd_rl_undo_safe_bias(h);
   }
-  gd_rl_normalise(s);
+  gd_rl_first_kalman_update(&s->c, h, s->segment.mean_dps, mean_var);
+  h->is_at_rest = 1;
 }
 
-/* Updates hypotheses of rest by the mean of a further block of a confirmed segment, and learns the noise. */
-static inline void gd_rl_zero_velocity_update(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
+/* Weighs a hypothesis of rest by a further block of a confirmed segment, and sums up its excess of variance. */
+static inline void gd_rl_weigh_block(const gd_restlevel *s, gd_rl_work *w, gd_rl_hypothesis *h, gd_real mean_dps,
+                                     gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / seconds, flicker_var = s->noise.flicker_var;
+  const gd_real innovation_dps = mean_dps - h->bias_dps;
+  const gd_real beyond_var = innovation_dps * innovation_dps - h->bias_var - mean_var - flicker_var;
+  w->rest_weight += h->weight;
+  h->chance_density *= GD_CHANCE_STAYS; /* probability that a chance level lasts on */
+  gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+  w->excess_var += h->weight * gd_min(beyond_var, GD_FLICKER_CLIP * (mean_var + flicker_var));
+}
+
+/* Updates it by the mean of the block. */
+static inline void gd_rl_zero_velocity_update(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real mean_dps,
+                                              gd_real seconds) {
   const gd_real ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
-  gd_real rest_weight = GD_R(0.0), excess_var = GD_R(0.0);
-  uint8_t k;
-  for (k = 0; k < s->stored; ++k) {
-    gd_rl_hypothesis *h = &s->hypotheses[k];
-    if (h->weight > GD_R(0.0) && h->is_at_rest) {
-      const gd_real innovation_dps = mean_dps - h->bias_dps;
-      const gd_real beyond_var = innovation_dps * innovation_dps - h->bias_var - mean_var - flicker_var;
-      rest_weight += h->weight;
-      h->chance_density *= GD_CHANCE_STAYS; /* probability that a chance level lasts on */
-      gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
-      excess_var += h->weight * gd_min(beyond_var, GD_FLICKER_CLIP * (mean_var + flicker_var));
-      gd_rl_kalman_update(h, mean_dps, mean_var, ramp_var);
-      h->moving_s = GD_R(0.0);
-      gd_rl_follow_slide(&s->c, h, s->block.seconds);
-    }
-  }
-  gd_rl_normalise(s);
-  gd_rl_learn_at_rest(s, rest_weight, excess_var, step_dps, seconds);
+  gd_rl_kalman_update(h, mean_dps, s->noise.angle_walk_var / seconds, ramp_var);
+  h->moving_s = GD_R(0.0);
+  gd_rl_follow_slide(&s->c, h, s->block.seconds);
 }
 
 #endif

@@ -30,17 +30,17 @@ static inline gd_real gd_rl_gaussian_logpdf(gd_real x, gd_real variance) {
   return GD_R(-0.5) * (x * x / variance + GD_LOG(GD_R(2.0) * GD_PI * variance));
 }
 
-/* Sets the moments of the mixture of both posteriors; `ramp_share` is the weight of the ramp. */
-static inline void gd_rl_mix(gd_rl_hypothesis *h, const gd_rl_kalman *walk, const gd_rl_kalman *ramp,
-                             gd_real ramp_share) {
-  const gd_real apart_dps = ramp->bias_dps - walk->bias_dps, apart_deg = ramp->yaw_deg - walk->yaw_deg;
-  const gd_real spread = ramp_share * (GD_R(1.0) - ramp_share);
-  h->bias_dps += walk->bias_dps + ramp_share * apart_dps;
-  h->yaw_deg += walk->yaw_deg + ramp_share * apart_deg;
-  h->bias_var = walk->bias_var + ramp_share * (ramp->bias_var - walk->bias_var) + spread * apart_dps * apart_dps;
+/* Moves a hypothesis to the moments of the mixture of two posteriors; `share` is the weight of the second. */
+static inline void gd_rl_mix(gd_rl_hypothesis *h, const gd_rl_kalman *first, const gd_rl_kalman *second,
+                             gd_real share) {
+  const gd_real apart_dps = second->bias_dps - first->bias_dps, apart_deg = second->yaw_deg - first->yaw_deg;
+  const gd_real spread = share * (GD_R(1.0) - share);
+  h->bias_dps += first->bias_dps + share * apart_dps;
+  h->yaw_deg += first->yaw_deg + share * apart_deg;
+  h->bias_var = first->bias_var + share * (second->bias_var - first->bias_var) + spread * apart_dps * apart_dps;
   h->covariance =
-      walk->covariance + ramp_share * (ramp->covariance - walk->covariance) + spread * apart_dps * apart_deg;
-  h->yaw_var = walk->yaw_var + ramp_share * (ramp->yaw_var - walk->yaw_var) + spread * apart_deg * apart_deg;
+      first->covariance + share * (second->covariance - first->covariance) + spread * apart_dps * apart_deg;
+  h->yaw_var = first->yaw_var + share * (second->yaw_var - first->yaw_var) + spread * apart_deg * apart_deg;
 }
 
 /* Updates a hypothesis by a block mean at rest, under the random walk and the ramp of the bias.

@@ -103,17 +103,20 @@ static inline void gd_rl_forget_least(gd_rl_list *list) {
   }
 }
 
-/* Merges hypotheses that agree, and prunes the least probable hypotheses. Pruned ones stay in the list. */
-static inline void gd_rl_merge_and_prune_list(gd_rl_list *list) {
-  uint8_t k, j, alive;
-  gd_rl_normalise_list(list);
-  for (k = 0; k < list->count; ++k) {
-    for (j = (uint8_t)(k + 1); j < list->count; ++j) {
-      if (gd_rl_is_in_merge_gate(list->items[k], list->items[j])) {
-        gd_rl_moment_matched_merge(list->items[k], list->items[j]);
-      }
+/* Merges a hypothesis with the next one from `j` on that agrees with it; returns the one after that. */
+static inline uint8_t gd_rl_merge_with_later(gd_rl_list *list, uint8_t k, uint8_t j) {
+  for (; j < list->count; ++j) {
+    if (gd_rl_is_in_merge_gate(list->items[k], list->items[j])) {
+      gd_rl_moment_matched_merge(list->items[k], list->items[j]);
+      return (uint8_t)(j + 1);
     }
   }
+  return j;
+}
+
+/* Prunes the least probable hypotheses. They stay in the list. */
+static inline void gd_rl_prune_list(gd_rl_list *list) {
+  uint8_t alive;
   for (alive = gd_rl_forget_improbable(list); alive > GD_MAX_HYPOTHESES; --alive) {
     gd_rl_forget_least(list);
   }
@@ -132,15 +135,6 @@ static inline void gd_rl_close_gaps(gd_restlevel *s) {
     }
   }
   s->stored = kept;
-}
-
-static inline void gd_rl_merge_and_prune(gd_restlevel *s) {
-  gd_rl_list list;
-  for (list.count = 0; list.count < s->stored; ++list.count) {
-    list.items[list.count] = &s->hypotheses[list.count];
-  }
-  gd_rl_merge_and_prune_list(&list);
-  gd_rl_close_gaps(s);
 }
 
 #endif

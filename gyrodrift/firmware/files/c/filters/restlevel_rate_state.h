@@ -20,7 +20,7 @@ typedef struct {
 typedef struct {
   gd_real sample_var;     /* of the samples of stationary blocks, (deg/s)^2 */
   gd_real last_block_var; /* of the samples of the block before */
-  gd_real resolution_dps; /* smallest step between two samples */
+  gd_real resolution_dps; /* smallest step between two samples, up to the end of the block */
   gd_real angle_walk_var; /* N^2 of the angle random walk (IEEE Std 952), deg^2/s */
   gd_real flicker_var;    /* bias instability, (deg/s)^2 */
   gd_real frozen_deg;     /* angle since the sensor repeats a single value */

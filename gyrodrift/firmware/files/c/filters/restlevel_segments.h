@@ -151,11 +151,10 @@ static inline int gd_rl_has_moved(const gd_restlevel *s) {
 }
 
 /* Takes a block into the present segment, begins another segment, or ends the segment. */
-static inline void gd_rl_track_segment(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
+static inline void gd_rl_track_segment(gd_restlevel *s, int is_stationary, gd_real mean_dps, gd_real step_dps,
+                                       gd_real seconds) {
   gd_rl_ended *ended = &s->ended;
   const gd_rl_segment before = s->segment;
-  const int is_stationary =
-      !s->noise.is_frozen && gd_rl_is_stationary(s, seconds) && !gd_rl_has_moved(s);
   const int is_short_start = !is_stationary && gd_rl_is_short_start(s, seconds);
   gd_rl_take_mean(s, is_stationary, mean_dps, seconds);
   ended->short_start_blocks = is_short_start ? (uint8_t)before.blocks : 0;

@@ -6,26 +6,24 @@
 
 #if GD_RESTLEVEL_AUXILIARY
 
-/* Mean and variances of the block of a certain rest. */
-typedef struct {
-  gd_real mean_dps, mean_var, flicker_var, ramp_var;
-} gd_rl_still;
-
-/* Sets `odds` of each hypothesis to the log-likelihood of the block mean; returns the largest. */
-static inline gd_real gd_rl_compare_still(gd_restlevel *s, const gd_rl_still *b, gd_real seconds) {
-  gd_real best = GD_R(-1e30);
-  uint8_t k;
-  for (k = 0; k < s->stored; ++k) {
-    gd_rl_hypothesis *h = &s->hypotheses[k];
-    if (h->weight > GD_R(0.0)) {
-      const gd_real drift_dps =
-          s->c.rate_ramp_dps_s * (h->is_at_rest ? seconds : gd_min(h->moving_s, GD_MAX_RAMP_S));
-      h->odds = gd_rl_gaussian_logpdf(b->mean_dps - h->bias_dps,
-                                      h->bias_var + drift_dps * drift_dps + b->mean_var + b->flicker_var);
-      best = gd_max(best, h->odds);
-    }
+/* Begins the update by a certain rest. */
+static inline void gd_rl_begin_still(gd_restlevel *s, gd_rl_still *b, gd_real mean_dps, gd_real seconds) {
+  b->mean_dps = mean_dps;
+  b->mean_var = gd_rl_noisy_mean_var(s, seconds);
+  b->flicker_var = s->noise.flicker_var;
+  b->ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
+  if (!s->noise.is_walk_measured) {
+    s->noise.sample_var = s->noise.last_block_var;
+    s->noise.angle_walk_var = b->mean_var * seconds;
   }
-  return best;
+}
+
+/* Sets `odds` of a hypothesis to the log-likelihood of the block mean. */
+static inline void gd_rl_compare_still(const gd_restlevel *s, gd_rl_hypothesis *h, const gd_rl_still *b,
+                                       gd_real seconds) {
+  const gd_real drift_dps = s->c.rate_ramp_dps_s * (h->is_at_rest ? seconds : gd_min(h->moving_s, GD_MAX_RAMP_S));
+  h->odds = gd_rl_gaussian_logpdf(b->mean_dps - h->bias_dps,
+                                  h->bias_var + drift_dps * drift_dps + b->mean_var + b->flicker_var);
 }
 
 /* Updates a hypothesis; returns its squared innovation minus the expected value, times its weight, (deg/s)^2. */
@@ -47,30 +45,13 @@ static inline gd_real gd_rl_update_still(gd_restlevel *s, gd_rl_hypothesis *h, c
   return excess_var;
 }
 
-/* Updates all hypotheses by the mean of a certain rest, and weighs them by its likelihood. */
-static inline void gd_rl_stand_still(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
-  gd_real excess_var = GD_R(0.0), best;
-  gd_rl_still b;
-  uint8_t k;
-  b.mean_dps = mean_dps;
-  b.mean_var = gd_rl_noisy_mean_var(s, seconds);
-  b.flicker_var = s->noise.flicker_var;
-  b.ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
-  if (!s->noise.is_walk_measured) {
-    s->noise.sample_var = s->noise.last_block_var;
-    s->noise.angle_walk_var = b.mean_var * seconds;
-  }
-  best = gd_rl_compare_still(s, &b, seconds);
-  for (k = 0; k < s->stored; ++k) {
-    if (s->hypotheses[k].weight > GD_R(0.0)) {
-      excess_var += gd_rl_update_still(s, &s->hypotheses[k], &b, best);
-    }
-  }
+/* Learns flicker and random walk once all hypotheses are updated by a certain rest. */
+static inline void gd_rl_learn_still(gd_restlevel *s, const gd_rl_still *b, gd_real excess_var, gd_real step_dps,
+                                     gd_real seconds) {
   if (s->witness.was_certain) {
-    excess_var = gd_min(excess_var, GD_FLICKER_CLIP * (b.mean_var + b.flicker_var));
+    excess_var = gd_min(excess_var, GD_FLICKER_CLIP * (b->mean_var + b->flicker_var));
     gd_rl_learn_at_rest(s, GD_R(1.0), excess_var, step_dps, seconds);
   }
-  gd_rl_merge_and_prune(s);
 }
 
 #endif

@@ -15,16 +15,16 @@
 #define GD_SURE_S 10.0
 #define GD_SURE_BY_WITNESS_S 1.5
 
-/* Moves the bias of hypotheses in motion along the line. */
-static inline void gd_rl_follow_temperature(gd_restlevel *s, gd_real seconds) {
+/* Moves the bias of hypotheses in motion along the line, by the temperature at the end of the block. */
+static inline void gd_rl_follow_temperature(gd_restlevel *s, gd_real temp_c, gd_real seconds) {
   gd_rl_line *line = &s->line;
   gd_real before_c, step_c, away_c, was_away_c, more_var;
   uint8_t k;
-  if (s->temp_c == GD_UNKNOWN_C) {
+  if (temp_c == GD_UNKNOWN_C) {
     return;
   }
-  before_c = line->temp_c == GD_UNKNOWN_C ? s->temp_c : line->temp_c;
-  line->temp_c = before_c + (s->temp_c - before_c) * gd_min(GD_R(1.0), seconds / GD_SMOOTH_S);
+  before_c = line->temp_c == GD_UNKNOWN_C ? temp_c : line->temp_c;
+  line->temp_c = before_c + (temp_c - before_c) * gd_min(GD_R(1.0), seconds / GD_SMOOTH_S);
   if (s->rest_probability > GD_R(0.5) || line->rest_c == GD_UNKNOWN_C) {
     line->rest_c = before_c;
   }

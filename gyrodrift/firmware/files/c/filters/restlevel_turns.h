@@ -81,21 +81,11 @@ static inline gd_real gd_rl_median_density(const gd_rl_turns *turns, const gd_rl
   return GD_SIDED * GD_SPINS_PER_DPS + (GD_R(1.0) - GD_SIDED) * both_sides;
 }
 
-/* Weighs each hypothesis by the distance of its bias from the median; this replaces the earlier weight. */
-static inline void gd_rl_weigh_turns(gd_restlevel *s) {
-  uint8_t k;
-  if (s->turns.count < GD_LEAST_TURNS) {
-    return;
-  }
-  for (k = 0; k < s->stored; ++k) {
-    gd_rl_hypothesis *h = &s->hypotheses[k];
-    if (h->weight > GD_R(0.0)) {
-      const gd_real density = gd_rl_median_density(&s->turns, h);
-      h->weight *= density / h->turn_density;
-      h->turn_density = density;
-    }
-  }
-  gd_rl_normalise(s);
+/* Weighs a hypothesis by the distance of its bias from the median; this replaces the earlier weight. */
+static inline void gd_rl_weigh_turns(const gd_rl_turns *turns, gd_rl_hypothesis *h) {
+  const gd_real density = gd_rl_median_density(turns, h);
+  h->weight *= density / h->turn_density;
+  h->turn_density = density;
 }
 
 #endif

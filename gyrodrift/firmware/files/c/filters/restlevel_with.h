@@ -30,11 +30,10 @@ static inline int gd_restlevel_update_with(gd_restlevel *s, double t_s, gd_real 
 /* The same by a clock of microseconds that wraps. */
 static inline int gd_restlevel_update_us_with(gd_restlevel *s, uint32_t t_us, gd_real rate_dps, gd_real still,
                                               gd_real temp_c) {
-  double dt_s = gd_step_of_us(t_us, s->t_us);
-  if (!gd_rl_accepts(s, 0.0, &dt_s, rate_dps)) {
+  double dt_s;
+  if (!gd_rl_accepts_us(s, t_us, &dt_s, rate_dps)) {
     return 0;
   }
-  s->t_us = t_us;
   gd_rl_advance_with(s, dt_s, rate_dps, still, temp_c);
   return 1;
 }

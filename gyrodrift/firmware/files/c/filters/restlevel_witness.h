@@ -18,9 +18,9 @@
 /* Counts the report of a sample: 1 at rest, 0 in motion, NaN without a report. */
 static inline void gd_rl_hear(gd_rl_witness *w, gd_real still) {
   if (!(still == GD_R(1.0))) {
-    w->has_silence = 1;
+    w->is_silent = 1;
     if (still >= GD_R(0.0)) {
-      w->has_moved = 1;
+      w->is_moving = 1;
     }
   }
 }

@@ -7,7 +7,7 @@
 /* Sets the yaw of a hypothesis to the output yaw within a block. A hypothesis of motion adds the whole block at its
    end, and one of rest nothing. */
 static inline void gd_rl_zero_hypothesis(gd_rl_hypothesis *h, const gd_restlevel *s) {
-  const gd_real gone_s = (gd_real)s->block.seconds, now_deg = gd_rl_expected_deg(s);
+  const gd_real gone_s = (gd_real)s->GD_RL_SUMS.seconds, now_deg = gd_rl_expected_deg(s);
   h->checkpoint.yaw_deg = now_deg;
   h->checkpoint.yaw_var = h->checkpoint.covariance = GD_R(0.0);
   if (h->is_at_rest) {
@@ -26,13 +26,15 @@ static inline void gd_restlevel_zero(gd_restlevel *s) {
   if (s->samples == 0) {
     return;
   }
+  gd_rl_catch_up(s);
+  gd_rl_set_yaw(s);
   for (k = 0; k < s->stored; ++k) {
     gd_rl_zero_hypothesis(&s->hypotheses[k], s);
   }
   s->start_yaw_deg = GD_IS_FLOAT ? s->yaw_deg - s->base_deg : s->yaw_deg;
   s->travelled_deg = s->travelled_s = s->yaw_sigma_deg = GD_R(0.0);
-  s->moments.covariance = s->moments.bias_var * (gd_real)s->block.seconds;
-  s->moments.yaw_var = s->moments.covariance * (gd_real)s->block.seconds;
+  s->moments.covariance = s->moments.bias_var * (gd_real)s->GD_RL_SUMS.seconds;
+  s->moments.yaw_var = s->moments.covariance * (gd_real)s->GD_RL_SUMS.seconds;
 }
 
 #endif

@@ -77,6 +77,7 @@ void loop() {
   const uint32_t now_us = micros();
   float rate_dps, temp_c;
   if (now_us - sample_us < SAMPLE_US) {
+    filter.work(); /* a portion of 2 ms at most, so that no sample waits */
     return;
   }
   sample_us = now_us;

@@ -81,6 +81,8 @@ void loop() {
     if (is_there) {
       filter.update_us(now_us, rate_dps);
     }
+  } else {
+    filter.work(); /* a portion of 2 ms at most, so that no sample waits */
   }
   if (millis() - line_ms >= LINE_MS) {
     line_ms = millis();
