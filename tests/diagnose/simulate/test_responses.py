@@ -6,16 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
-from simulate_support import (
-    HINTS,
-    MOTION,
-    RATE_HZ,
-    base_run,
-    candidate_of,
-    feature,
-    plain,
-    response_at,
-)
+from simulate_support import HINTS, MOTION, RATE_HZ, base_run, candidate_of, feature, plain, response_at
 
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.features.vector import FEATURES, STATIC
