@@ -151,6 +151,12 @@ def against(
     ]
 
 
+def against_one(table: ResponseTable, design: DesignMatrix, baseline: Baseline) -> ResponseTable:
+    """The table of one recording, with the common difference of the baseline subtracted."""
+    (compared,) = against([table], [design], baseline)
+    return compared
+
+
 CHANCE = 0.05
 """Probability by chance above which two sets of amounts count as equal: the rate of false alarms of a diagnosis. With
 three recordings against two without the effect, 0.01 would require amounts that agree within a quarter."""

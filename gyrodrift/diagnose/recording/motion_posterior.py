@@ -13,12 +13,13 @@ from functools import cache
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.integrate import cumulative_trapezoid
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.ndimage import uniform_filter1d
 
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, FilteredStates, filter_forward, sample_backward
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
+from gyrodrift.diagnose.recording.order_statistics import running_maximum
 from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask
@@ -57,7 +58,7 @@ def local_cubic(values: Floats, sigma: float, widest: int) -> Floats:
         smooth = convolved(np.pad(values, half, mode="edge"), weights[half:])
         expected = sigma**2 * float(np.square(_difference(weights, weights_before)).sum())
         power = uniform_filter1d(np.square(smooth - before), WINDOWS_AVERAGED * (2 * half + 1))
-        agrees = agrees & (maximum_filter1d(power, 2 * half + 1) <= DISAGREES * expected)
+        agrees = agrees & (running_maximum(power, 2 * half + 1) <= DISAGREES * expected)
         kept = np.where(agrees, smooth, kept)
         before, weights_before = smooth, weights
     return kept
@@ -288,7 +289,7 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
         means_dps = (sums[step:] - sums[:-step]) / step
         bends = np.square(means_dps[2 * step :] - 2.0 * means_dps[step:-step] + means_dps[: -2 * step])
         window = JERK_WINDOW_STEPS * step
-        power = maximum_filter1d(uniform_filter1d(bends, window), window)
+        power = running_maximum(uniform_filter1d(bends, window), window)
         excess = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / step, 0.0)
         first = (3 * step) // 2
         excess = np.pad(excess, (first, len(rate_dps) - len(excess) - first), mode="edge")
