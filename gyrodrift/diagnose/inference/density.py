@@ -101,24 +101,38 @@ class Groups(NamedTuple):
 
 
 @compiled_once()
-def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, white: Floats) -> float:
-    """Logarithm of a multivariate Student density by a Cholesky factorization; `root` and `white` are scratch."""
+def _log_student(
+    residual: Floats, covariance: Floats, nu: float, constant: float, root: Floats, white: Floats
+) -> float:
+    """Logarithm of a multivariate Student density by a Cholesky factorization.
+
+    constant
+        Logarithm of the part that depends on `nu` and the number of sessions only.
+    root, white
+        Working memory: the factor with the inverse of its diagonal, and the whitened residual.
+    """
     size = len(residual)
-    log_determinant = 0.0
+    log_determinant, determinant = 0.0, 1.0
     square = 0.0
     for i in range(size):
-        for j in range(i + 1):
+        for j in range(i):
             value = covariance[i, j]
             for k in range(j):
                 value -= root[i, k] * root[j, k]
-            root[i, j] = math.sqrt(max(value, 1e-9)) if i == j else value / root[j, j]
-        log_determinant += math.log(root[i, i])
-        value = residual[i]
+            root[i, j] = value * root[j, j]
+        value, deviation = covariance[i, i], residual[i]
         for k in range(i):
-            value -= root[i, k] * white[k]
-        white[i] = value / root[i, i]
+            value -= root[i, k] * root[i, k]
+            deviation -= root[i, k] * white[k]
+        pivot = math.sqrt(max(value, 1e-9))
+        root[i, i] = 1.0 / pivot
+        white[i] = deviation * root[i, i]
         square += white[i] ** 2
-    constant = math.lgamma(0.5 * (nu + size)) - math.lgamma(0.5 * nu) - 0.5 * size * math.log(nu * math.pi)
+        determinant *= pivot
+        if not 1e-100 < determinant < 1e100:
+            log_determinant += math.log(determinant)
+            determinant = 1.0
+    log_determinant += math.log(determinant)
     return constant - log_determinant - 0.5 * (nu + size) * math.log1p(square / nu)
 
 
@@ -134,6 +148,7 @@ def _by_width(
     is_known = np.zeros(features, np.bool_)
     total = np.zeros((sessions, sessions))
     root, white, session_residual = np.zeros((sessions, sessions)), np.zeros(sessions), np.zeros(sessions)
+    constant = math.lgamma(0.5 * (nu + sessions)) - math.lgamma(0.5 * nu) - 0.5 * sessions * math.log(nu * math.pi)
     for n in range(points):
         for f in range(features):
             if not is_used[f]:
@@ -152,7 +167,7 @@ def _by_width(
                         common = 0.5 * form[n, i, f] * form[n, j, f]
                         total[i, j] = covariance[f, i, j] + common + UNKNOWN_COMMON * unknown
                     total[i, i] += 0.5 * form[n, i, f] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[n, i, f]
-                densities[n, f, v] = _log_student(session_residual, total, nu, root, white)
+                densities[n, f, v] = _log_student(session_residual, total, nu, constant, root, white)
             if moves < MOVED:
                 alone[f] = densities[n, f]
                 is_known[f] = True

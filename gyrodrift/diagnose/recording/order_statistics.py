@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gyrodrift.diagnose.recording.smoothing import mirrored
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats
 
@@ -57,14 +58,14 @@ def quantiles(values: Floats, shares: float | Sequence[float]) -> Floats:
 def median_of_five(values: Floats) -> Floats:
     """(n,) running median of five values, mirrored at the ends."""
     medians = np.empty(len(values))
-    _median_of_five(np.pad(values, 2, mode="symmetric"), medians)
+    _median_of_five(mirrored(values, 2, 2), medians)
     return medians
 
 
 def median_of_nine(values: Floats) -> Floats:
     """(n,) running median of nine values, mirrored at the ends."""
     medians = np.empty(len(values))
-    _median_of_nine(np.pad(values, 4, mode="symmetric"), medians)
+    _median_of_nine(mirrored(values, 4, 4), medians)
     return medians
 
 
@@ -74,7 +75,7 @@ def running_maximum(values: Floats, length: int) -> Floats:
     M. van Herk, A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels (1992).
     """
     before = length // 2
-    padded = np.pad(np.asarray(values, dtype=np.float64), (before, length - 1 - before), mode="symmetric")
+    padded = mirrored(np.asarray(values, dtype=np.float64), before, length - 1 - before)
     largest = np.empty(len(values))
     _running_maximum(padded, length, largest)
     return largest

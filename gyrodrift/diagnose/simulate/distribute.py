@@ -14,6 +14,7 @@ from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.simulate.repeats import is_shared, twins_of, with_shared
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.responses import Compared, change_in, null_runs_of, points_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -90,11 +91,18 @@ def response_tables(
         progress(REPLAYED, 0, len(numbers))
         tables = [*local.map(_table, [(0, None)])]
         progress(REPLAYED, 1, len(numbers))
-        points = points_of(tables[0])
-        for number, table in enumerate(local.map(_table, [(number, points) for number in numbers[1:]]), 2):
-            progress(REPLAYED, number, len(numbers))
+        for done, table in enumerate(local.map(_table, [*enumerate(_others(plan, tables[0]), 1)]), 2):
+            progress(REPLAYED, done, len(numbers))
             tables.append(table)
-    return tuple(tables)
+    return with_shared(tables, twins_of(plan.subjects), plan.tried)
+
+
+def _others(plan: SimulationPlan, first: ResponseTable) -> list[dict[str, int]]:
+    """Number of grid points to simulate in each session but the first, by key of the candidate."""
+    shared = {key(candidate) for candidate in plan.tried if is_shared(candidate)}
+    points = points_of(first)
+    own = {name: 0 if name in shared else count for name, count in points.items()}
+    return [own if twins else points for twins in twins_of(plan.subjects)[1:]]
 
 
 def _table(plan: SimulationPlan, session: tuple[int, Mapping[str, int] | None]) -> ResponseTable:
@@ -118,11 +126,17 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tup
         progress(REPLAYED, 0, len(origins))
         tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins[:1]))
         progress(REPLAYED, 1, len(origins))
-        if len(origins) > 1:
-            others = partial(simulate, points=points_of(tables[0]))
-            tables += shared.results(shared.submit(others, origins[1:]))
+        sent = [*zip(origins[1:], _others(plan, tables[0]), strict=True)]
+        if sent:
+            tables += shared.results(shared.submit(partial(_simulated_from, simulate), sent))
         progress(REPLAYED, len(origins), len(origins))
-    return tuple(tables)
+    return with_shared(tables, twins_of(plan.subjects), plan.tried)
+
+
+def _simulated_from(simulate: Callable[..., ResponseTable], sent: tuple[Origin, Mapping[str, int]]) -> ResponseTable:
+    """Simulate a session, by its origin, at some grid points."""
+    origin, points = sent
+    return simulate(origin, points=points)
 
 
 def read_and_simulate(

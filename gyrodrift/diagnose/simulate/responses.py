@@ -39,6 +39,9 @@ RULED_OUT = 30.0
 that larger sizes are not simulated. Chosen: a chi-squared of 900 and more, so that no error of a standard deviation
 from four null runs matters."""
 
+ADDED = (Touches.SLOW_RATE, Touches.RATE)
+"""What effects touch that only add to the rate."""
+
 Compared = Callable[[ResponseTable, DesignMatrix], ResponseTable]
 """Function that subtracts a baseline from the differences of a table."""
 
@@ -53,8 +56,8 @@ def response_table(
     """Simulate a session without and with candidates, with the same random streams.
 
     points
-        Number of grid points to simulate, by key of the candidate. None simulates rising sizes up to the first one that
-        this session rules out.
+        Number of grid points to simulate, by key of the candidate; a candidate with 0 is left out. None simulates
+        rising sizes up to the first one that this session rules out.
     compared
         Function that subtracts a baseline, so that a size is judged by the remaining difference.
     """
@@ -75,6 +78,8 @@ def response_table(
     simulated = [candidate for candidate in tried if candidate.phase_deg in (None, 0.0, 90.0)]
     for candidate in simulated:
         count = len(candidate.grid_points) if points is None else points[key(candidate)]
+        if not count:
+            continue
         is_stopped = judge.rules_out if points is None and _may_stop(candidate) else _never
         few = replace(candidate.up_to(count), realisations=_realisations_of(candidate, null_runs))
         table.responses[key(candidate)] = response(subject, few, base, is_stopped)
@@ -138,12 +143,17 @@ def response(
     Realizations use the base runs in rotation. Sizes after one at which `is_stopped` are not simulated.
     """
     used = [(seed, base[seed % len(base)]) for seed in range(candidate.realisations)]
+    added_dps = {seed: _added_dps(subject, candidate, run, seed) for seed, run in used} if _is_scaled(candidate) else {}
     changes: list[Floats] = []
     for size in candidate.grid_points.tolist():
         calibrated = _calibrated(subject, candidate, size)
-        changes.append(
-            np.array([_features_with(calibrated, candidate, size, run, seed) - run.values for seed, run in used])
-        )
+        features = [
+            _features_of_rate(subject, candidate, run, run.cleaned.rate_dps + size * added_dps[seed])
+            if added_dps
+            else _features_with(calibrated, candidate, size, run, seed)
+            for seed, run in used
+        ]
+        changes.append(np.array([values - run.values for values, (_, run) in zip(features, used, strict=True)]))
         # An interpolation needs two sizes.
         if len(changes) > 1 and is_stopped(changes[-1]):
             break
@@ -165,22 +175,38 @@ def null_difference(subject: Subject, seed: int) -> Floats:
     return difference
 
 
-def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:
-    """Features with a realization of a candidate, shape (F,); unaffected features are copied from the base run."""
-    rig_effects = subject.rig.effects
+def _is_scaled(candidate: Candidate) -> bool:
+    """Whether a candidate adds a realization to the rate in proportion to its size, so that one holds for all sizes."""
+    return candidate.shape is not None or (candidate.realisations > 1 and candidate.touches in ADDED)
+
+
+def _added_dps(subject: Subject, candidate: Candidate, base: BaseRun, seed: int) -> Floats:
+    """Rate that a realization of a candidate adds at size 1, deg/s, shape (n,)."""
     if candidate.shape is not None:
-        shaped = subject.with_shape(candidate.shape, size, seed, base.cleaned)
-        is_slow = candidate.touches is Touches.SLOW_RATE
-        features_of = subject.residual_features if is_slow else subject.value_features
-        return _with_rest_of(features_of(shaped, base), base.values)
+        return subject.shape_dps(candidate.shape, seed)
+    largest = float(candidate.grid_points[-1])
+    effect = candidate.added(largest, subject.rig.effects)
+    return (subject.rate_with(effect, base, seed) - base.cleaned.rate_dps) / largest
+
+
+def _features_of_rate(subject: Subject, candidate: Candidate, base: BaseRun, rate_dps: Floats) -> Floats:
+    """Features of a base run with another rate, shape (F,); unaffected features are copied from the base run."""
+    simulated = replace(base.cleaned, rate_dps=rate_dps)
+    if candidate.touches is Touches.SLOW_RATE:
+        return _with_rest_of(subject.residual_features(simulated, base), base.values)
+    if candidate.touches is Touches.RATE:
+        simulated = subject.in_counts(simulated)
+    return _with_rest_of(subject.value_features(simulated, base), base.values)
+
+
+def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:
+    """Features with a realization of an effect, shape (F,); unaffected features are copied from the base run."""
+    rig_effects = subject.rig.effects
     effects = (candidate.applied(size, rig_effects),)
     match candidate.touches:
-        case Touches.SLOW_RATE:
-            with_it = subject.with_rate((candidate.added(size, rig_effects),), base, seed)
-            return _with_rest_of(subject.residual_features(with_it, base), base.values)
-        case Touches.RATE:
-            with_it = subject.with_rate((candidate.added(size, rig_effects),), base, seed)
-            return _with_rest_of(subject.value_features(subject.in_counts(with_it), base), base.values)
+        case Touches.SLOW_RATE | Touches.RATE:
+            rate_dps = subject.rate_with(candidate.added(size, rig_effects), base, seed)
+            return _features_of_rate(subject, candidate, base, rate_dps)
         case Touches.TIMES:
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
@@ -233,7 +259,8 @@ def _features(effects: Sequence[Sized], subject: Subject, simulated: Cleaned, se
     """
     for effect in effects:
         if effect.candidate.shape is not None:
-            simulated = subject.with_shape(effect.candidate.shape, effect.size, seed, simulated)
+            added_dps = effect.size * subject.shape_dps(effect.candidate.shape, seed)
+            simulated = replace(simulated, rate_dps=simulated.rate_dps + added_dps)
     if any(effect.candidate.touches in (Touches.TIMES, Touches.EVERYTHING) for effect in effects):
         return subject.measured_again(simulated).values
     return _with_rest_of(subject.values_measured_again(simulated), run)
