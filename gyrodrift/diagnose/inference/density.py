@@ -158,20 +158,24 @@ def _by_width(
                 moves = max(moves, abs(mean[n, i, f]), scatter[n, i, f])
                 session_residual[i] = residual[n, i, f]
             if moves < MOVED and is_known[f]:
-                densities[n, f] = alone[f]
+                for v in range(len(widths)):
+                    densities[n, f, v] = alone[f, v]
                 continue
+            is_known[f] |= moves < MOVED
             for v in range(len(widths)):
-                unknown = widths[v] ** 2
-                for i in range(sessions):
-                    for j in range(i + 1):
-                        common = 0.5 * form[n, i, f] * form[n, j, f]
-                        total[i, j] = covariance[f, i, j] + common + UNKNOWN_COMMON * unknown
-                    total[i, i] += 0.5 * form[n, i, f] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[n, i, f]
+                _add_up(form[n, :, f], scatter[n, :, f], covariance[f], widths[v] ** 2, total)
                 densities[n, f, v] = _log_student(session_residual, total, nu, constant, root, white)
-            if moves < MOVED:
-                alone[f] = densities[n, f]
-                is_known[f] = True
+                alone[f, v] = densities[n, f, v] if moves < MOVED else alone[f, v]
     return densities
+
+
+@compiled_once()
+def _add_up(form: Floats, scatter: Floats, covariance: Floats, unknown: float, total: Floats) -> None:
+    """Write the lower half of the covariance of equation (2) of one feature; `unknown` is the variance by that."""
+    for i in range(len(form)):
+        for j in range(i + 1):
+            total[i, j] = covariance[i, j] + 0.5 * form[i] * form[j] + UNKNOWN_COMMON * unknown
+        total[i, i] += 0.5 * form[i] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[i]
 
 
 @compiled_once()
@@ -179,11 +183,8 @@ def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats
     """Sum over the states of the unknown effect; see `LogDensities`."""
     points, features, widths = densities.shape
     without_unknown, either = np.zeros(points), np.zeros(points)
-    still = np.zeros(groups)
-    moved = np.zeros((groups, widths - 1, len(shares)))
     for n in range(points):
-        still[:] = 0.0
-        moved[:] = 0.0
+        still, moved = np.zeros(groups), np.zeros((groups, widths - 1, len(shares)))
         for f in range(features):
             if densities[n, f, 0] == 0.0:
                 continue
@@ -195,12 +196,28 @@ def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats
                     moved[g, v - 1, k] += densities[n, f, 0] + math.log(1.0 - shares[k] + shares[k] * ratio)
         narrow, broad = math.log(1.0 - UNKNOWN_BROAD), math.log(UNKNOWN_BROAD)
         for g in range(groups):
-            top = max(still[g], moved[g].max())
-            mean_moved = np.exp(moved[g] - top).mean()
+            top, mean_moved = _mean_power(moved[g], still[g])
             at_rest = math.exp(still[g] - top)
+            without_unknown[n] += still[g]
             narrow += top + math.log((1.0 - UNKNOWN_IN_GROUP) * at_rest + UNKNOWN_IN_GROUP * mean_moved)
             broad += top + math.log((1.0 - BROAD_IN_GROUP) * at_rest + BROAD_IN_GROUP * mean_moved)
-        without_unknown[n] = still.sum()
         top = max(narrow, broad)
         either[n] = top + math.log(math.exp(narrow - top) + math.exp(broad - top))
     return without_unknown, either
+
+
+@compiled_once()
+def _mean_power(logarithms: Floats, least: float) -> tuple[float, float]:
+    """The largest of some logarithms and of `least`, and the mean of their powers over that of the largest.
+
+    Loops, because numba needs seconds to compile reductions of slices.
+    """
+    rows, columns = logarithms.shape
+    top, total = least, 0.0
+    for row in range(rows):
+        for column in range(columns):
+            top = max(top, logarithms[row, column])
+    for row in range(rows):
+        for column in range(columns):
+            total += math.exp(logarithms[row, column] - top)
+    return top, total / (rows * columns)

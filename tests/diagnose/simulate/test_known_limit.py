@@ -1,5 +1,6 @@
 """A rig with a known limit of its gyro: motion beyond the limit is no evidence."""
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
