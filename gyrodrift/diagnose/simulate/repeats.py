@@ -1,6 +1,6 @@
 """Responses that repeated runs of one motion have in common: they are simulated in two of the runs.
 
-A response depends on the motion, the sample period, the noise, and the columns of a recording. Where all of them agree,
+A response depends on motion, temperature, sample period, noise and columns of a recording. Where all of them agree,
 another simulation only shows chance, which the null runs of each recording hold already.
 """
 
@@ -21,11 +21,14 @@ SAME_NOISE, SAME_PERIOD = 1.25, 1.01
 """Ratios up to which noise and period agree: 0.22 in ln is the relevance threshold of an amplitude of noise, and 1 %
 of the period is that of the clocks of gyros."""
 
+SAME_TEMPERATURE_C = 3.0
+"""Difference of temperatures, °C, that changes no response: the shortest length of a random function of temperature."""
+
 
 def is_shared(candidate: Candidate) -> bool:
     """Whether repeated runs share the response: it takes many simulations, and no absolute angle or level matters."""
-    is_simulated = candidate.shape is None and candidate.touches in (Touches.VALUES, Touches.EVERYTHING)
-    return is_simulated and candidate.phase_deg is None and len(candidate.grid_points) > 1
+    is_played = candidate.shape is None and candidate.touches in (Touches.VALUES, Touches.EVERYTHING)
+    return candidate.phase_deg is None and len(candidate.grid_points) > 1 and (is_played or candidate.realisations > 1)
 
 
 def twins_of(subjects: Sequence[Subject]) -> list[tuple[int, ...]]:
@@ -43,7 +46,7 @@ def twins_of(subjects: Sequence[Subject]) -> list[tuple[int, ...]]:
 
 
 def _repeats(second: Subject, first: Subject) -> bool:
-    """Whether two recordings have the same motion, columns, period and noise."""
+    """Whether two recordings have the same motion, temperature, columns, period and noise."""
     facts = [
         (subject.motion_digest, recording.host_s is None, recording.has_counter, recording.gyro_xy_dps is None)
         for subject, recording in ((item, item.cleaned.recording) for item in (first, second))
@@ -51,7 +54,17 @@ def _repeats(second: Subject, first: Subject) -> bool:
     bases = [subject.rig.base for subject in (first, second)]
     noise, rate_hz = [base.noise_dps_rthz for base in bases], [base.sample_rate_hz for base in bases]
     is_like = max(noise) <= SAME_NOISE * min(noise) and max(rate_hz) <= SAME_PERIOD * min(rate_hz)
-    return is_like and facts[0] == facts[1]
+    return (
+        is_like
+        and facts[0] == facts[1]
+        and _is_as_warm(*(subject.posterior.mean.sensor_c for subject in (first, second)))
+    )
+
+
+def _is_as_warm(first_c: Floats, second_c: Floats) -> bool:
+    """Whether two temperatures, shape (n,) and (m,), differ by less than SAME_TEMPERATURE_C at any time."""
+    count = min(len(first_c), len(second_c))
+    return bool(np.abs(first_c[:count] - second_c[:count]).max() < SAME_TEMPERATURE_C)
 
 
 def with_shared(
