@@ -126,8 +126,8 @@ GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
 
 SURELY_UNKNOWN, PREDICTS = 0.9, 0.2
 """Probability of something unknown beside which a random cause must close a share of the gap to be named, and that
-share. A random effect takes in any disturbance of its spread, as an unknown effect does; what it predicts beyond that
-closes a part of the gap. Chosen."""
+share; a random cause that is alone must close it, too. A random effect takes in any disturbance of its spread, as an
+unknown effect does; what it predicts beyond that closes a part of the gap. Chosen."""
 
 Simulate = Callable[[Sequence[Sized]], SimulatedSet]
 """Simulator: from a set of effects with sizes to the change of the features."""
@@ -171,11 +171,21 @@ def conclude(
     posterior = with_unseparated(simulated_posterior(scorer, simulate), unseparated)
     posterior = posterior.without(_as_in_rig(scorer, posterior))
     explanation, causes = _explained(evidence, scorer, posterior, _named(scorer, posterior))
-    if posterior.unknown >= SURELY_UNKNOWN:
-        predicting = [cause for cause in causes if not cause.cause.is_random or cause.gap_share >= PREDICTS]
-        if len(predicting) < len(causes):
-            explanation, causes = _explained(evidence, scorer, posterior, predicting)
+    predicting = _predicting(explanation, causes)
+    if len(predicting) < len(causes):
+        explanation, causes = _explained(evidence, scorer, posterior, predicting)
     return Conclusion(_verdict(explanation, causes), explanation)
+
+
+def _predicting(explanation: Explanation, causes: Sequence[NamedCause]) -> Sequence[NamedCause]:
+    """The causes without random ones that close too little of the gap, alone or beside something surely unknown."""
+    if explanation.posterior.unknown >= SURELY_UNKNOWN:
+        return [cause for cause in causes if not cause.cause.is_random or cause.gap_share >= PREDICTS]
+    # A single recording does not show how a random effect scatters.
+    if len(causes) == 1 and causes[0].cause.is_random and len(explanation.evidence.z) > 1:
+        closed = gap_of(explanation.evidence, explanation.held_out_gap).shrink
+        return causes if closed is None or closed >= PREDICTS else ()
+    return causes
 
 
 def _placed(templates: Mapping[str, Template], effects: Sequence[Sized]) -> Iterator[Placed]:
