@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -23,6 +24,10 @@ of the period is that of the clocks of gyros."""
 
 SAME_TEMPERATURE_C = 3.0
 """Difference of temperatures, °C, that changes no response: the shortest length of a random function of temperature."""
+
+SAME_RATE, SAME_LENGTH = 0.1, 1.02
+"""RMS difference of the rates, as a share of the RMS rate, and ratio of the lengths, up to which a motion is the same.
+The usual form error of an effect is as large. Chosen."""
 
 
 def is_shared(candidate: Candidate) -> bool:
@@ -48,23 +53,26 @@ def twins_of(subjects: Sequence[Subject]) -> list[tuple[int, ...]]:
 def _repeats(second: Subject, first: Subject) -> bool:
     """Whether two recordings have the same motion, temperature, columns, period and noise."""
     facts = [
-        (subject.motion_digest, recording.host_s is None, recording.has_counter, recording.gyro_xy_dps is None)
-        for subject, recording in ((item, item.cleaned.recording) for item in (first, second))
+        (recording.host_s is None, recording.has_counter, recording.gyro_xy_dps is None)
+        for recording in (first.cleaned.recording, second.cleaned.recording)
     ]
     bases = [subject.rig.base for subject in (first, second)]
     noise, rate_hz = [base.noise_dps_rthz for base in bases], [base.sample_rate_hz for base in bases]
     is_like = max(noise) <= SAME_NOISE * min(noise) and max(rate_hz) <= SAME_PERIOD * min(rate_hz)
-    return (
-        is_like
-        and facts[0] == facts[1]
-        and _is_as_warm(*(subject.posterior.mean.sensor_c for subject in (first, second)))
+    return is_like and facts[0] == facts[1] and _is_same_motion(first.posterior.mean, second.posterior.mean)
+
+
+def _is_same_motion(first: ReplayedMotion, second: ReplayedMotion) -> bool:
+    """Whether two motions have the same rates and temperatures at the same times, and nearly the same length."""
+    lengths = len(first.rate_dps), len(second.rate_dps)
+    count = min(lengths)
+    away_dps = first.rate_dps[:count] - second.rate_dps[:count]
+    away_c = first.sensor_c[:count] - second.sensor_c[:count]
+    return bool(
+        max(lengths) <= SAME_LENGTH * count
+        and np.linalg.norm(away_dps) <= SAME_RATE * np.linalg.norm(first.rate_dps)
+        and np.abs(away_c).max() < SAME_TEMPERATURE_C
     )
-
-
-def _is_as_warm(first_c: Floats, second_c: Floats) -> bool:
-    """Whether two temperatures, shape (n,) and (m,), differ by less than SAME_TEMPERATURE_C at any time."""
-    count = min(len(first_c), len(second_c))
-    return bool(np.abs(first_c[:count] - second_c[:count]).max() < SAME_TEMPERATURE_C)
 
 
 def with_shared(

@@ -137,7 +137,7 @@ class Subject:
     def motion(self, seed: int) -> ReplayedMotion:
         """A motion drawn from the posterior; a seed always gives the same motion."""
         if seed not in self.drawn:
-            rng = np.random.default_rng([self.motion_digest + seed, MOTIONS])
+            rng = np.random.default_rng([self._profile_hash() + seed, MOTIONS])
             self.drawn[seed] = self.posterior.draw(rng, self._counted_rests())
         return self.drawn[seed]
 
@@ -235,8 +235,7 @@ class Subject:
     def _with_base(self, base: Base) -> "Subject":
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
-    @property
-    def motion_digest(self) -> int:
+    def _profile_hash(self) -> int:
         """Hash of the motion profile, a seed for drawing motions.
 
         Sessions of one profile share the errors of rebuilding it, so they use the same random numbers. The angles are

@@ -17,6 +17,12 @@ def table_of(name: str, **values: float) -> ResponseTable:
     return ResponseTable(name, NONE, NONE, NONE, NONE, responses)
 
 
+def moved(subject: Subject, factor: float) -> Subject:
+    """The subject with another motion: all rates times a factor."""
+    mean = subject.posterior.mean
+    return replace(subject, posterior=replace(subject.posterior, mean=replace(mean, rate_dps=factor * mean.rate_dps)))
+
+
 def warmer(subject: Subject, rise_c: float) -> Subject:
     """The subject with another temperature."""
     mean = subject.posterior.mean
@@ -24,12 +30,12 @@ def warmer(subject: Subject, rise_c: float) -> Subject:
 
 
 def test_two_runs_of_a_motion_are_simulated_and_the_others_take_their_responses() -> None:
-    """A run with more noise, another temperature or no counter is no repetition."""
-    noisy, warm = plain().with_noise(1.5), warmer(plain(), 5.0)
+    """A run with more noise, another temperature, another motion or no counter is no repetition."""
+    noisy, warm, fast = plain().with_noise(1.5), warmer(plain(), 5.0), moved(plain(), 1.2)
     cleaned = plain().cleaned
     without = replace(plain(), cleaned=replace(cleaned, recording=replace(cleaned.recording, has_counter=False)))
-    subjects = [plain(), plain(), noisy, plain(), warm, without, noisy, noisy, plain()]
-    assert twins_of(subjects) == [(), (), (), (0, 1), (), (), (), (2, 6), (0, 1)]
+    subjects = [plain(), plain(), noisy, plain(), warm, without, noisy, noisy, plain(), fast, moved(plain(), 1.05)]
+    assert twins_of(subjects) == [(), (), (), (0, 1), (), (), (), (2, 6), (0, 1), (), (0, 1)]
 
 
 def test_a_response_of_other_runs_is_their_mean_or_one_of_their_draws() -> None:
