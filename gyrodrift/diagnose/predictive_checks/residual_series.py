@@ -193,7 +193,8 @@ def _periodogram(values: Floats, period_s: float, degree: int) -> tuple[Floats, 
     lines = np.fft.rfft((values - (values @ basis) @ basis.T) * window, axis=-1)
     power = 2.0 * period_s * np.square(np.abs(lines)) / np.square(window).sum()
     power[..., [0, -1] if count % 2 == 0 else [0]] *= 0.5  # the constant and half the sample rate have one side
-    return np.fft.rfftfreq(count, period_s), power
+    hz: Floats = np.arange(lines.shape[-1]) / (count * period_s)
+    return hz, power
 
 
 def pooled(spectra: Sequence[Spectra]) -> Spectra:
