@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from firmware_sim.plain_value import Key, plain_value
+
 LONGEST_BYTES = 128 << 10
 """Largest file. A config with hundreds of sessions in its provenance has a tenth of it, a long profile half."""
 
@@ -22,26 +24,12 @@ TOO_NESTED = f"is nested more than {DEEPEST} times"
 TOO_DEEP = "maximum nesting depth"
 """Message of parsers with a limit of their own."""
 
-WHOLE_DIGITS = 300
-"""Digits of a whole number; longer ones exceed all floats."""
-
-NUMBER = re.compile(r"[-+]?(?:(?:0|[1-9]\d*+)(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+")
-INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*+)")
-NOT_FINITE = re.compile(r"[-+]?\.(?:inf|nan)", re.IGNORECASE)
 QUOTED = re.compile(r"'[^']*+'")
 QUOTED_MARK = 3
 """Longest quotation of the parser that is shown. Longer quotations are names of anchors and tags, maybe passwords."""
 
-WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
-"""YAML 1.2 has these words in small letters, capitalized and in capitals."""
-
-STYLES = (str.lower, str.capitalize, str.upper)
-
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The C parser is about ten times as fast; some builds of PyYAML lack it."""
-
-Key = tuple[str | int, ...]
-"""Path from the top of the file to a value: ("hdr", "tau_s")."""
 
 Position = tuple[int, int]
 """Line and column, from 1."""
@@ -83,17 +71,6 @@ def parse(content: bytes) -> YamlTree:
         if node is not None:
             tree.value = _TreeBuilder(tree).value((), node)
     return tree
-
-
-def plain_value(text: str) -> Any:
-    """Value of a word without quotes: a number, a truth value, None, or the text."""
-    if text.lower() in WORDS and any(text == style(text) for style in STYLES):
-        return WORDS[text.lower()]
-    if INTEGER.fullmatch(text) and len(text) <= WHOLE_DIGITS:
-        return int(text)
-    if NUMBER.fullmatch(text):
-        return float(text)
-    return float(text.replace(".", "", 1)) if NOT_FINITE.fullmatch(text) else text
 
 
 def _syntax_mistake(error: yaml.YAMLError) -> Mistake:

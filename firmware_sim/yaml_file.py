@@ -6,7 +6,8 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
-from firmware_sim.strict_yaml import LONGEST_BYTES, Key, Position, YamlTree, parse
+from firmware_sim.plain_value import Key
+from firmware_sim.strict_yaml import LONGEST_BYTES, Position, YamlTree, parse
 
 PROBLEMS_MAX, LONGEST_PROBLEM = 20, 600
 """Largest number of reported problems, and largest length of a problem."""

@@ -22,14 +22,22 @@ TICKS = 1.6
 """Ticks of SysTick at 25 MHz in the 64 ns that QEMU counts for an instruction."""
 
 AVR_RAM = 2048
+ATMEGA328P, ATMEGA1284P = "atmega328p", "atmega1284p"
+RAM = {ATMEGA328P: AVR_RAM, ATMEGA1284P: 16384}
+"""Bytes of RAM. The larger chip holds the filter of three axes."""
 
 FILTERS = {"hdr": (), "restlevel": ("-DFILTER_RESTLEVEL",), "attitude": ("-DFILTER_ATTITUDE",)}
 
 
 class BoardRun(NamedTuple):
-    """Cycles (AVR) or instructions (ARM) of each update, the outputs after it, and sizes in bytes."""
+    """Cycles (AVR) or instructions (ARM) of each update, the outputs after it, and sizes in bytes.
+
+    portions
+        Costs of the portions of work after each update, shape (samples, portions).
+    """
 
     costs: Floats
+    portions: Floats
     yaw_deg: Floats
     bias_dps: Floats
     stack_bytes: int
@@ -45,19 +53,23 @@ def board_samples(rate_hz: float, seconds: float, seed: int = 45) -> tuple[Float
     return np.rint((t_s + late_s) * 1e6), measured(rng, drive(rng, t_s)[0]).astype(np.float32).astype(np.float64)
 
 
-def on_avr(folder: Path, name: str, t_us: Floats, rate_dps: Floats, *flags: str) -> BoardRun:
-    """Run a filter on an ATmega328P in simavr."""
+def on_avr(
+    folder: Path, name: str, t_us: Floats, inputs: Floats, *flags: str, portions: int = 0, chip: str = ATMEGA328P
+) -> BoardRun:
+    """Run a filter on an AVR in simavr, with so many portions of work after each update."""
     if shutil.which("avr-gcc") is None or not SIMAVR.is_dir():
         pytest.skip("there is no avr-gcc or no simavr: apt-get install gcc-avr avr-libc libsimavr-dev")
-    elf, samples = folder / "board.elf", write_samples(folder, t_us, rate_dps)
-    program("avr-gcc", elf, "-Os", "-mmcu=atmega328p", *FILTERS[name], *flags)
+    elf, samples = folder / "board.elf", write_samples(folder, t_us, inputs)
+    program("avr-gcc", elf, "-Os", f"-mmcu={chip}", f"-DPORTIONS={portions}", *FILTERS[name], *flags)
     heap = re.search(r"(\w+) . _end\n", run("avr-nm", elf))
     assert heap is not None
-    *lines, free = run(compiled("avr_cycles.c", folder, "-lsimavr", "-lm"), elf, samples, heap[1]).splitlines()
-    costs, yaw_deg, bias_dps = np.loadtxt(lines, delimiter=",").T
+    *lines, free = run(compiled("avr_cycles.c", folder, "-lsimavr", "-lm"), elf, samples, heap[1], chip).splitlines()
+    rows = np.loadtxt(lines, delimiter=",").reshape(-1, 1 + portions, 3)
+    costs, yaw_deg, bias_dps = rows[:, 0].T
     program_bytes, static_bytes = sizes("avr-size", elf)
-    stack_bytes = AVR_RAM - static_bytes - int(free)
-    return BoardRun(costs, yaw_deg, bias_dps, stack_bytes, program_bytes, state_bytes("avr-nm", elf))
+    stack_bytes = RAM[chip] - static_bytes - int(free)
+    state = state_bytes("avr-nm", elf)
+    return BoardRun(costs, rows[:, 1:, 0], yaw_deg, bias_dps, stack_bytes, program_bytes, state)
 
 
 def three_axis_samples(rate_hz: float, seconds: float, seed: int = 45) -> tuple[Floats, Floats]:
@@ -84,6 +96,7 @@ def on_arm(folder: Path, core: tuple[str, ...], name: str, t_us: Floats, inputs:
     rows = np.frombuffer(result[:-4], dtype=[("ticks", "<u4"), ("yaw_deg", "<f4"), ("bias_dps", "<f4")])
     return BoardRun(
         rows["ticks"] / TICKS,
+        np.zeros((len(rows), 0)),
         rows["yaw_deg"].astype(np.float64),
         rows["bias_dps"].astype(np.float64),
         int.from_bytes(result[-4:], "little"),

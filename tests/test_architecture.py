@@ -33,7 +33,7 @@ ROOMS = {
     "link": f"{BASE} columns session",
     "report": BASE,
     "outputs": BASE,
-    "config": f"{BASE} columns filters firmware_sim.strict_yaml link outputs",
+    "config": f"{BASE} columns filters firmware_sim.plain_value firmware_sim.strict_yaml link outputs",
     "describe": f"{BASE} evaluation facts filters report session session.checks",
     "doctor": f"{BASE} columns describe evaluation facts filters link outputs session session.checks",
     "recording": f"{BASE} filters link session",
@@ -61,8 +61,9 @@ ROOMS = {
     "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim report link "
     "session session.checks simulation tune",
-    "firmware_sim": "firmware_sim.strict_yaml",
-    "firmware_sim.strict_yaml": "",
+    "firmware_sim": "firmware_sim.plain_value firmware_sim.strict_yaml",
+    "firmware_sim.strict_yaml": "firmware_sim.plain_value",
+    "firmware_sim.plain_value": "",
     "gyrogap": "cli io values",
 }
 """Each package with the packages it may import: data goes from the first to the last, and no value travels back."""
@@ -191,4 +192,11 @@ def test_the_service_stays_light(statement: str) -> None:
     loaded = set(done.stdout.split())
     assert not heavy & loaded
     assert not {"gyrodrift.columns.fields", "gyrodrift.columns.shape", "gyrodrift.link.text_decoder"} & loaded
-    assert of("firmware_sim", loaded) <= {"firmware_sim", "firmware_sim.strict_yaml"}
+    assert of("firmware_sim", loaded) <= {"firmware_sim", "firmware_sim.plain_value", "firmware_sim.strict_yaml"}
+
+
+def test_outputs_of_the_command_line_take_no_parser_of_configs() -> None:
+    """With the live page the service and its outputs stay below 40 MB."""
+    code = "import sys; from gyrodrift.config.outputs import output_of; output_of('web:port=0'); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"pydantic", "yaml", "importlib.metadata"} & set(done.stdout.split())

@@ -1,5 +1,6 @@
 """Plug-ins of other packages: the examples of the docs work; a broken package is one line and harms nothing else."""
 
+import argparse
 import os
 import re
 import subprocess
@@ -12,7 +13,8 @@ from outputs_support import corrected, hub
 from plug_in_support import EXAMPLES, Site
 
 from firmware_sim.effects import catalogue
-from gyrodrift.cli import main
+from firmware_sim.wire import registry
+from gyrodrift.cli import main, simulated_device
 from gyrodrift.cli.plug_ins import REGISTRIES, listing
 from gyrodrift.config.model import load_config
 from gyrodrift.io.plug_ins import API, PlugInError, PlugIns
@@ -107,6 +109,16 @@ def test_a_command_runs_a_filter(site: Site, tmp_path: Path, capsys: pytest.Capt
     session.write_text("t_device_s,rate_dps\n" + "".join(f"{n / 50},1.0\n" for n in range(51)))
     assert main(["filter", str(session), "--filter", "fixed"]) == 0
     assert capsys.readouterr().out.splitlines()[-1].split(",")[3] == "1.0"
+
+
+def test_the_simulated_device_sends_by_an_encoder(site: Site) -> None:
+    name = site.install_example("encoder")
+    parser = argparse.ArgumentParser()
+    simulated_device.add_arguments(parser)
+    try:
+        assert parser.parse_args(["--link", "gyro", "--protocol", name]).protocol == name
+    finally:
+        registry.unregister(name)
 
 
 def test_rigs_and_candidates_know_an_effect(site: Site) -> None:
@@ -228,9 +240,7 @@ def test_a_filter_that_fails_while_it_works_is_one_line(
 def test_a_protocol_without_all_of_a_decoder_is_refused(site: Site) -> None:
     source = (EXAMPLES / "protocol" / "milli_frames.py").read_text().replace('        self.unread = ""\n', "")
     site.install("bad", "gyrodrift.protocols", "milli", "bad:MILLI", source)
-    assert PROTOCOLS.problems() == [
-        f"milli: the protocol of bad is no protocol: its decoder has no unread; {REMEDY}",
-    ]
+    assert PROTOCOLS.problems() == [f"milli: the protocol of bad is no protocol: its decoder has no unread; {REMEDY}"]
 
 
 def test_what_a_package_prints_goes_to_stderr(site: Site, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,7 +3,17 @@
 from pathlib import Path
 
 import pytest
-from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr, three_axis_samples
+from board_filter_support import (
+    ATMEGA1284P,
+    AVR_RAM,
+    M0_PLUS,
+    M4F,
+    BoardRun,
+    board_samples,
+    on_arm,
+    on_avr,
+    three_axis_samples,
+)
 
 from bench.harness import show
 
@@ -36,6 +46,36 @@ def test_an_atmega328p_has_time_and_memory(tmp_path: Path, name: str, flags: tup
     free = ("RAM left", f"{AVR_RAM - board.state_bytes - board.stack_bytes} bytes")
     show(f"{name} {' '.join(flags)} on an ATmega328P", [*rows, free])
     assert board.costs.mean() < 40_000
+
+
+def test_portions_of_restlevel_take_2_ms_of_an_atmega328p(tmp_path: Path) -> None:
+    """Four after each sample at 100 Hz."""
+    board = on_avr(tmp_path, "restlevel", *board_samples(100.0, SECONDS), portions=4)
+    show("restlevel in portions on an ATmega328P", rows_of_portions(board, 16e6))
+    assert max(board.costs.max(), board.portions.max()) <= 32_000
+
+
+def test_portions_of_the_attitude_filter_on_a_chip_without_floating_point(tmp_path: Path) -> None:
+    """An ATmega1284P stands for a Cortex-M0+: it computes floats by software, too. It has RAM for five hypotheses.
+
+    `-fno-ivopts`: without it avr-gcc 5.4 takes a wrong address.
+    """
+    flags = ("-DGD_ATTITUDE_HYPOTHESES=5", "-fno-ivopts")
+    samples = three_axis_samples(100.0, 30.0)
+    board = on_avr(tmp_path, "attitude", *samples, *flags, portions=3, chip=ATMEGA1284P)
+    show("attitude in portions on an ATmega1284P, at the clock of a Cortex-M0+", rows_of_portions(board, 48e6))
+    assert max(board.costs.max(), board.portions.max()) <= 480_000
+
+
+def rows_of_portions(board: BoardRun, hz: float) -> list[tuple[str, str]]:
+    """Longest update and longest portion, and the mean of both for a sample."""
+    total = board.costs + board.portions.sum(axis=1)
+    return [
+        ("cycles of an update, longest", f"{board.costs.max():.0f} ({1e3 * board.costs.max() / hz:.1f} ms)"),
+        ("cycles of a portion, longest", f"{board.portions.max():.0f} ({1e3 * board.portions.max() / hz:.1f} ms)"),
+        ("cycles for a sample with its portions, mean", f"{total.mean():.0f}"),
+        ("state and stack", f"{board.state_bytes} and {board.stack_bytes} bytes"),
+    ]
 
 
 @pytest.mark.parametrize("name", ["hdr", "restlevel"])

@@ -133,6 +133,15 @@ def load_effects() -> None:
     tell_problems("gyrodrift.effects")
 
 
+def load_encoders() -> None:
+    """Make the encoders of plug-ins known to `--protocol` of a simulated device; name those that are broken."""
+    from gyrodrift.cli.plug_ins import tell_problems
+    from gyrodrift.simulation.effects import load_encoders as load
+
+    load()
+    tell_problems("gyrodrift.encoders")
+
+
 def add_reading_options(parser: argparse.ArgumentParser) -> None:
     """Options of commands that read tables and other sessions."""
     parser.add_argument(

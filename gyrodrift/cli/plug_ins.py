@@ -19,6 +19,7 @@ REGISTRIES = {
     "gyrodrift.protocols": "gyrodrift.link.protocols.registry:PROTOCOLS",
     "gyrodrift.filters": "gyrodrift.filters.registry:FILTERS",
     "gyrodrift.effects": "gyrodrift.simulation.effects:EFFECTS",
+    "gyrodrift.encoders": "gyrodrift.simulation.effects:ENCODERS",
 }
 """Registry of each group of entry points besides commands, as `module:NAME`."""
 

@@ -30,6 +30,7 @@ gyrodrift replay session.mcap --link /tmp/gyro --loop
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    options.load_encoders()
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="path of the link to the pty")
     parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="protocol of the device")

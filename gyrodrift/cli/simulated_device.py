@@ -20,9 +20,10 @@ gyrodrift simulated-device --link /tmp/gyro --effect warmup --fault unplug
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     from firmware_sim import command
-    from gyrodrift.cli.options import load_effects
+    from gyrodrift.cli.options import load_effects, load_encoders
 
     load_effects()
+    load_encoders()
     command.add_arguments(parser)
 
 

@@ -10,8 +10,9 @@ from typing import Any, get_type_hints
 import yaml
 from pydantic import ValidationError, create_model
 
-from firmware_sim.strict_yaml import Key
-from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
+from firmware_sim.plain_value import Key
+from gyrodrift.config.explain import describe_value, expectation, unknown_key
+from gyrodrift.config.strict import Strict
 from gyrodrift.values.calibration import AXES_SHAPES, Calibration, moment
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.vectors import determinant, numbers_of, shape_text

@@ -1,21 +1,100 @@
-"""Words for error messages: the values that a field accepts, from its annotations, and the value it has."""
+"""The values that a field accepts, from its annotations, and words for them in error messages.
 
-from typing import Any, Literal, get_args, get_origin
+Options of outputs are checked here: pydantic, which checks whole configs, takes 9 MB of memory, and a service with
+`--output` does without it.
+"""
+
+from collections.abc import Callable, Sequence
+from math import isfinite
+from typing import Any, Literal, NamedTuple, Protocol, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen, Predicate
-from pydantic import BaseModel, ConfigDict
-from pydantic.fields import FieldInfo
 
 from gyrodrift.values.secret import LONGEST_SECRET, SecretText
 from gyrodrift.values.words import did_you_mean
 
+HOLDS: dict[type[Any], Callable[[Any, Any], bool]] = {
+    Ge: lambda value, bound: value >= bound.ge,
+    Gt: lambda value, bound: value > bound.gt,
+    Le: lambda value, bound: value <= bound.le,
+    Lt: lambda value, bound: value < bound.lt,
+    MinLen: lambda value, bound: len(value) >= bound.min_length,
+    MaxLen: lambda value, bound: len(value) <= bound.max_length,
+    Predicate: lambda value, bound: bound.func(value),
+}
+"""Whether a value is within a bound. Other notes, such as descriptions, are no bounds."""
+
 UNITS = {"_dps": " deg/s", "_s": " s", "_hz": " Hz", "_deg": " deg"}
 
 
-class Strict(BaseModel):
-    """A block of keys: no other keys, no other types, finite numbers."""
+class FieldInfo(Protocol):
+    """A field: its type, and notes such as its bounds; `pydantic.fields.FieldInfo` is one."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    @property
+    def annotation(self) -> Any:
+        """Type without the notes."""
+
+    @property
+    def metadata(self) -> Sequence[Any]:
+        """Notes of `Annotated`."""
+
+
+class Hint(NamedTuple):
+    """A field of a dataclass, by its type hint."""
+
+    annotation: Any
+    metadata: tuple[Any, ...]
+
+
+def field_of(hint: Any) -> Hint:
+    """The field of a type hint with its extras."""
+    notes = getattr(hint, "__metadata__", None)
+    return Hint(hint, ()) if notes is None else Hint(hint.__origin__, notes)
+
+
+def accepted(value: Any, info: FieldInfo) -> Any:
+    """A value as the field keeps it.
+
+    Raises
+    ------
+    ValueError
+        If the field does not accept it.
+    """
+    kinds, bounds = _kinds(info.annotation), _bounds(info)
+    if value is None and type(None) in kinds:
+        return None
+    for kind in kinds:
+        if get_origin(kind) is Literal and isinstance(value, str) and value in get_args(kind):
+            return value
+        if kind is SecretText and isinstance(value, str | SecretText):
+            return _secret(value)
+        if kind in {bool, int, str} and type(value) is kind and all(_holds(value, bound) for bound in bounds):
+            return value
+        if kind is float and type(value) in {int, float} and all(_holds(value, bound) for bound in bounds):
+            return _finite(value)
+    raise ValueError
+
+
+def _secret(value: str | SecretText) -> SecretText:
+    if isinstance(value, SecretText):
+        return value
+    if len(value) > LONGEST_SECRET:
+        raise ValueError
+    return SecretText(value)
+
+
+def _finite(value: float) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ValueError from None
+    if not isfinite(number):
+        raise ValueError
+    return number
+
+
+def _holds(value: Any, bound: Any) -> bool:
+    return type(bound) not in HOLDS or HOLDS[type(bound)](value, bound)
 
 
 def unknown_key(name: str, names: list[str], where: str) -> str:

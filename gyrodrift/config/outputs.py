@@ -1,13 +1,12 @@
 """Outputs from the config or from `--output`, checked, with all mistakes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from typing import Any, get_args, get_type_hints
 
-from pydantic import ValidationError, create_model
-
-from firmware_sim.strict_yaml import Key, plain_value
-from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
+from firmware_sim.plain_value import Key, plain_value
+from gyrodrift.config.explain import Hint, accepted, describe_value, expectation, field_of, unknown_key
 from gyrodrift.outputs.options import OutputSpec, about, secrets
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.values.errors import UsageError
@@ -139,41 +138,43 @@ def _has_user(value: Any) -> bool:
 def options_help(name: str) -> Sequence[tuple[str, str, str]]:
     """Name, default, and meaning with accepted values of each option of an output."""
     options = OUTPUTS[name].output.options_type
-    notes, model = about(options), _model_of(options)
+    notes, hints = about(options), _fields_of(options)
     return [
         (
             field.name,
             "" if field.default is None or field.default == "" else str(field.default),
-            f"{notes[field.name]} ({expectation(field.name, model.model_fields[field.name])})",
+            f"{notes[field.name]} ({expectation(field.name, hints[field.name])})",
         )
         for field in fields(options)
     ]
 
 
-def _model_of(options: type[Any]) -> type[Strict]:
-    """A model with the fields, bounds and defaults of an output's options."""
+def _fields_of(options: type[Any]) -> dict[str, Hint]:
+    """Types and bounds of an output's options, by name."""
     hints = get_type_hints(options, include_extras=True)
-    content: dict[str, Any] = {field.name: (hints[field.name], field.default) for field in fields(options)}
-    return create_model(options.__name__, __base__=Strict, **content)
+    return {field.name: field_of(hints[field.name]) for field in fields(options)}
 
 
 def _checked(name: str, given: Mapping[str, Any], report: Report) -> OutputSpec | None:
     options = OUTPUTS[name].output.options_type
-    model = _model_of(options)
-    try:
-        content = model.model_validate(given).model_dump()
-    except ValidationError as error:
-        for key, problem in {problem["loc"][0]: problem for problem in error.errors(include_url=False)}.items():
-            names = list(model.model_fields)
-            if problem["type"] == "extra_forbidden":
-                report((str(key),), unknown_key(str(key), names, f"an option of {name}"))
-                continue
-            expected = expectation(str(key), model.model_fields[str(key)])
-            is_hidden = str(key) in secrets(options) or _has_user(given[str(key)])
-            value = "not shown" if is_hidden else describe_value(given[str(key)])
-            report((str(key),), f"is {value}; expected {expected}")
-        return None
-    return OutputSpec(name, options(**content))
+    option_fields = _fields_of(options)
+    values: dict[str, Any] = {}
+    for key in option_fields.keys() & given.keys():
+        with suppress(ValueError):
+            values[key] = accepted(given[key], option_fields[key])
+    wrong = [key for key in (*option_fields, *given) if key in given and key not in values]
+    for key in dict.fromkeys(wrong):
+        report((str(key),), _explained(name, key, given[key], option_fields))
+    return None if wrong else OutputSpec(name, options(**values))
+
+
+def _explained(name: str, key: str, value: Any, option_fields: Mapping[str, Hint]) -> str:
+    """Message for an option that an output does not have, or does not accept."""
+    if key not in option_fields:
+        return unknown_key(str(key), list(option_fields), f"an option of {name}")
+    is_hidden = key in secrets(OUTPUTS[name].output.options_type) or _has_user(value)
+    shown = "not shown" if is_hidden else describe_value(value)
+    return f"is {shown}; expected {expectation(key, option_fields[key])}"
 
 
 def _read(name: str, key: str, text: str) -> Any:

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from firmware_sim.strict_yaml import LONGEST_BYTES, Key, parse
+from firmware_sim.plain_value import Key
+from firmware_sim.strict_yaml import LONGEST_BYTES, parse
 from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.values.errors import shortened, visible
 from gyrodrift.values.secret import shown_key, without_secrets

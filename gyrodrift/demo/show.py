@@ -66,7 +66,7 @@ def run_demo(
             stack.enter_context(screen.live)
             screen.show(error)
         port = Path(folder) / DEVICE
-        device = ["-m", "firmware_sim", "--quiet", "--wait", "--link", str(port), "--profile", profile]
+        device = ["-m", "gyrodrift", "simulated-device", "--quiet", "--wait", "--link", str(port), "--profile", profile]
         device += ["--seed", str(seed), "--speed", str(speed)] + (["--rig", str(rig)] if rig else [])
         with _undisturbed():
             simulator = stack.enter_context(_process(device, None, log))

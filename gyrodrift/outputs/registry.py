@@ -48,10 +48,10 @@ class OutputKind:
         UsageError
             With the command that installs a missing package.
         """
-        from gyrodrift.io.installation import extra_command
-
         for package in self.packages:
             if not _is_installed(package):
+                from gyrodrift.io.installation import extra_command
+
                 raise UsageError(f"output {self.name} needs the package {package}: {extra_command(self.extra)}")
 
 

@@ -1,7 +1,8 @@
-"""Effects that other packages add to the simulated rig: entry points of `gyrodrift.effects`.
+"""Effects and encoders that other packages add to the simulated device, by entry points.
 
-An entry point names a class derived from `firmware_sim.effects.effect.Effect`. Its class attribute `candidate` may be
-the `CandidateKind` by which `diagnose` looks for the effect in recordings.
+One of `gyrodrift.effects` names a class derived from `firmware_sim.effects.effect.Effect`. Its class attribute
+`candidate` may be the `CandidateKind` by which `diagnose` looks for the effect in recordings. One of
+`gyrodrift.encoders` names a `WireEncoder`, the device's side of a protocol.
 """
 
 from typing import Any
@@ -9,7 +10,9 @@ from typing import Any
 from firmware_sim.effects import catalogue
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
-from gyrodrift.io.plug_ins import EntryPoint, PlugIns, subclass_of
+from firmware_sim.wire import registry
+from firmware_sim.wire.encoder import WireEncoder
+from gyrodrift.io.plug_ins import EntryPoint, PlugIns, named_record, subclass_of
 
 
 def _accept(entry: EntryPoint, value: Any) -> type[Effect]:
@@ -25,6 +28,23 @@ def _accept(entry: EntryPoint, value: Any) -> type[Effect]:
 
 EFFECTS: PlugIns[type[Effect]] = PlugIns("effect", _accept, (*catalogue.CATALOGUE, *TRIAXIAL))
 """Effects of plug-ins; rig files and command lines know them after `load`."""
+
+
+def _accept_encoder(entry: EntryPoint, value: Any) -> WireEncoder:
+    """Register the encoder of another package in the simulated device, unless its module did so."""
+    encoder = named_record(WireEncoder)(entry, value)
+    if registry.ENCODERS.get(entry.name) is not encoder:
+        registry.register(encoder)
+    return encoder
+
+
+ENCODERS: PlugIns[WireEncoder] = PlugIns("encoder", _accept_encoder, tuple(registry.ENCODERS))
+"""Encoders of plug-ins; `--protocol` of the simulated device and of `replay` knows them after `load_encoders`."""
+
+
+def load_encoders() -> None:
+    """Make the encoders of plug-ins known to command lines."""
+    ENCODERS.added()
 
 
 def load() -> list[type[Effect]]:

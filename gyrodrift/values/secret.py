@@ -6,11 +6,6 @@ of a config, on a command line, in an address with `user:password@`.
 
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:  # pydantic checks configs; serve without a config does not load it
-    from pydantic import GetCoreSchemaHandler
-    from pydantic_core import CoreSchema
 
 HIDDEN = "***"
 """Replacement of every secret."""
@@ -65,17 +60,6 @@ class SecretText:
 
     def __repr__(self) -> str:
         return HIDDEN if self._text else ""
-
-    @classmethod
-    def __get_pydantic_core_schema__(cls, _source: Any, _handler: "GetCoreSchemaHandler") -> "CoreSchema":
-        """Schema of pydantic: text with a limit of length, kept as a secret."""
-        from pydantic_core import core_schema  # noqa: PLC0415 - loaded with pydantic alone
-
-        instance = core_schema.is_instance_schema(cls)
-        from_text = core_schema.no_info_after_validator_function(
-            cls, core_schema.str_schema(strict=True, max_length=LONGEST_SECRET)
-        )
-        return core_schema.union_schema([instance, from_text])
 
 
 NO_SECRET = SecretText()

@@ -1,6 +1,6 @@
-/* Runs board_filter.c on an ATmega328P in simavr, and prints what each update costs.
+/* Runs board_filter.c on an AVR in simavr, and prints what each update costs.
 
-   avr_cycles FIRMWARE.elf SAMPLES HEAP
+   avr_cycles FIRMWARE.elf SAMPLES HEAP CHIP
 
    SAMPLES is a file of u32 t_us and float rate_dps. HEAP is the address of _end, where free RAM begins. For each
    sample there is a line: cycles, yaw_deg, bias_dps. The last line is the number of bytes of RAM that stayed free.
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GPIOR0 0x3e /* addresses of ATmega328P */
+#define GPIOR0 0x3e /* addresses of ATmega328P and ATmega1284P */
 #define GPIOR1 0x4a
 #define GPIOR2 0x4b
 #define PAINT 0xc5
@@ -76,12 +76,12 @@ int main(int argc, char **argv) {
   static bench b;
   unsigned heap;
   avr_global_logger_set(no_log);
-  if (argc != 4 || elf_read_firmware(argv[1], &firmware) || !(b.samples = fopen(argv[2], "rb"))) {
-    fprintf(stderr, "avr_cycles FIRMWARE.elf SAMPLES HEAP\n");
+  if (argc != 5 || elf_read_firmware(argv[1], &firmware) || !(b.samples = fopen(argv[2], "rb"))) {
+    fprintf(stderr, "avr_cycles FIRMWARE.elf SAMPLES HEAP CHIP\n");
     return 2;
   }
   heap = (unsigned)strtoul(argv[3], NULL, 16) & 0xffff;
-  b.avr = avr_make_mcu_by_name("atmega328p");
+  b.avr = avr_make_mcu_by_name(argv[4]);
   avr_init(b.avr);
   b.avr->frequency = 16000000;
   avr_load_firmware(b.avr, &firmware);

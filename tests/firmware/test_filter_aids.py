@@ -6,7 +6,7 @@ from typing import Any
 import c_attitude_support as three
 import c_restlevel_support as one
 import numpy as np
-from c_filter_support import CFilters
+from c_filter_support import CFilters, assert_portions_change_nothing
 
 from gyrodrift.filters.aids.reading import AidedFilter, AidReading
 from gyrodrift.filters.attitude.aided import AIDED as AIDED_ATTITUDE
@@ -76,7 +76,9 @@ def test_one_axis_takes_headings_and_turn_rates(c_filters: CFilters) -> None:
     inputs[:, 3] = commands
     c, s = coefficients(RestlevelParams()), RestlevelState()
     python = python_yaws(AIDED_RESTLEVEL, c, s, lambda i: step(c, s, float(t_s[i]), float(inputs[i, 0])), commands)
-    assert_agrees(c_filters.get("filter_restlevel.c", "double").run(t_s, inputs), list(python), rate_dps, 1e-9)
+    library = c_filters.get("filter_restlevel.c", "double")
+    assert_agrees(library.run(t_s, inputs), list(python), rate_dps, 1e-9)
+    assert_portions_change_nothing(library, t_s, inputs, "now and then", correction=10)
 
 
 def test_three_axes_take_headings_and_turn_rates(c_filters: CFilters) -> None:
@@ -94,4 +96,6 @@ def test_three_axes_take_headings_and_turn_rates(c_filters: CFilters) -> None:
         return attitude_step(c, s, float(t_s[i]), *inputs[i, :7].tolist())
 
     python = python_yaws(AIDED_ATTITUDE, c, s, sample, commands)
-    assert_agrees(c_filters.get("filter_attitude.c", "double").run(t_s, inputs), list(python), rate_dps, 1e-3)
+    library = c_filters.get("filter_attitude.c", "double")
+    assert_agrees(library.run(t_s, inputs), list(python), rate_dps, 1e-3)
+    assert_portions_change_nothing(library, t_s, inputs, "now and then", correction=21)

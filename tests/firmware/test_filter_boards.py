@@ -70,8 +70,9 @@ def test_restlevel_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> No
 def test_portions_of_restlevel_are_short_on_an_atmega328p(tmp_path: Path) -> None:
     """Four after each sample at 100 Hz do all the work between the samples."""
     t_us, rate_dps = board_samples(100.0, 60.0)
-    board = on_avr(tmp_path, "restlevel", t_us, rate_dps, "-DPORTIONS=4")
+    board = on_avr(tmp_path, "restlevel", t_us, rate_dps, portions=4)
     assert board.costs.max() <= PORTION_S * AVR_HZ
+    assert board.portions.max() <= PORTION_S * AVR_HZ
     assert left_bytes(board) >= 400
 
 

@@ -74,7 +74,7 @@ def test_a_sample_without_progress_of_time_is_rejected(c: AttitudeCoefficients) 
 def test_yaw_stays_in_a_long_rest(c: AttitudeCoefficients) -> None:
     """Noise at rest is no turn: neither yaw nor its sigma grows."""
     rng, s = Random(3), AttitudeState()
-    for i in range(30_000):
+    for i in range(15_000):
         gx, gy, gz = (bias + rng.gauss(0.0, 0.1) for bias in BIAS)
         step(c, s, i * DT, gx, gy, gz, rng.gauss(0.0, 0.02), rng.gauss(0.0, 0.02), rng.gauss(9.81, 0.02))
     assert abs(s.yaw_deg) < 0.05

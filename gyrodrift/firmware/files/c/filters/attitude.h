@@ -91,6 +91,20 @@ static inline int gd_attitude_update_us(gd_attitude *a, uint32_t t_us, const gd_
   return gd_attitude_update_us_with(a, t_us, gyro_dps, accel_mps2, (gd_real)NAN, (gd_real)NAN);
 }
 
+/* Takes a heading of another sensor at the end of the block, deg, in the frame of `yaw_deg`. `period_deg` is 360, or 90
+   for one of the directions of a building. Give one a second at most: more do not count as independent. Returns 0 if it
+   is no number. */
+static inline int gd_attitude_heading(gd_attitude *a, gd_real heading_deg, gd_real sigma_deg, gd_real period_deg) {
+  gd_attitude_catch_up(a);
+  return period_deg > GD_R(0.0) && gd_aid_set(&a->aid, heading_deg - a->yaw_deg, sigma_deg, period_deg);
+}
+
+/* Takes a turn rate about the vertical of another sensor at the last sample, deg/s, as wheels that go straight. */
+static inline int gd_attitude_turn_rate(gd_attitude *a, gd_real turn_dps, gd_real sigma_dps) {
+  gd_attitude_catch_up(a);
+  return gd_aid_set(&a->aid, a->heading_rate_dps - turn_dps, sigma_dps, GD_R(0.0));
+}
+
 /* Does a portion of the work at the end of a block; returns whether more is left. Call it between samples, as often as
    there is time: then updates only sum up, and the estimates follow some samples later. Samples wait meanwhile; the
    output turns by them and the last estimates. Without any call an update does all the work, at the last sample of a

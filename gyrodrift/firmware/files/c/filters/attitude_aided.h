@@ -45,31 +45,13 @@ static inline void gd_attitude_aid_update(gd_attitude_hypothesis *h, const gd_ai
   h->weight *= likelihood;
 }
 
-/* Takes the measurement that waits, at the end of a block with this heading by the estimates before it. */
-static inline void gd_attitude_take_aid(gd_attitude *a, gd_real expected_deg) {
-  gd_real axis[3];
-  int i;
-  if (!(a->aid.variance > GD_R(0.0))) {
-    return;
-  }
-  gd_heading_axis(axis, a->q);
-  for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_aid_update(gd_attitude_at(a, i), &a->aid, axis, expected_deg);
-  }
-  gd_attitude_normalize(&a->sum);
-  a->aid.variance = GD_R(0.0);
-}
-
-/* Takes a heading of another sensor at the end of the block, deg, in the frame of `yaw_deg`. `period_deg` is 360, or 90
-   for one of the directions of a building. Give one a second at most: more do not count as independent. Returns 0 if it
-   is no number. */
-static inline int gd_attitude_heading(gd_attitude *a, gd_real heading_deg, gd_real sigma_deg, gd_real period_deg) {
-  return period_deg > GD_R(0.0) && gd_aid_set(&a->aid, heading_deg - a->yaw_deg, sigma_deg, period_deg);
-}
-
-/* Takes a turn rate about the vertical of another sensor at the last sample, deg/s, as wheels that go straight. */
-static inline int gd_attitude_turn_rate(gd_attitude *a, gd_real turn_dps, gd_real sigma_dps) {
-  return gd_aid_set(&a->aid, a->heading_rate_dps - turn_dps, sigma_dps, GD_R(0.0));
+/* Updates hypothesis `i` by the measurement that waits, at the end of a block with this heading by the estimates before
+   it. */
+static inline void gd_attitude_take_aid(gd_attitude *a, int i, gd_real expected_deg) {
+  gd_real q[4], axis[3];
+  gd_product(q, a->start_q, a->block.q);
+  gd_heading_axis(axis, q);
+  gd_attitude_aid_update(gd_attitude_at(a, i), &a->aid, axis, expected_deg);
 }
 
 #endif

@@ -21,6 +21,7 @@ enum {
   GD_ATTITUDE_STAND,
   GD_ATTITUDE_MERGE,   /* for each merge */
   GD_ATTITUDE_LEARN,
+  GD_ATTITUDE_AID, /* for each hypothesis, by a second sensor */
   GD_ATTITUDE_PUBLISH,
   GD_ATTITUDE_REOPEN /* the end of a gap */
 };
@@ -116,7 +117,7 @@ static inline void gd_attitude_learn(gd_attitude *a) {
   if (job->is_found && a->rest_probability > GD_ATTITUDE_MEASURED) {
     gd_attitude_learn_noise(a, &job->candidate);
   }
-  gd_attitude_go_to(job, GD_ATTITUDE_PUBLISH);
+  gd_attitude_go_to(job, a->aid.variance > GD_R(0.0) ? GD_ATTITUDE_AID : GD_ATTITUDE_PUBLISH);
 }
 
 /* Stores a step of yaw that is no motion, and counts it if it is large. */
@@ -144,7 +145,6 @@ static inline void gd_attitude_finish(gd_attitude *a) {
   if (!gd_attitude_is_whole(a)) {
     gd_attitude_begin_again(a, job->heading_deg);
   } else {
-    gd_attitude_take_aid(a, job->heading_deg);
     gd_attitude_bring_forward(&a->sum);
     for (i = 0; i < a->sum.count; i++) {
       gd_attitude_at(a, i)->yaw_deg = gd_unwrapped_deg(gd_attitude_at(a, i)->yaw_deg, gd_attitude_at(a, i)->q);
@@ -175,6 +175,11 @@ static inline void gd_attitude_end_loop(gd_attitude *a) {
       break;
     case GD_ATTITUDE_BRANCH:
       gd_attitude_begin_merge(a, GD_ATTITUDE_LEARN);
+      break;
+    case GD_ATTITUDE_AID:
+      gd_attitude_normalize(&a->sum);
+      a->aid.variance = GD_R(0.0);
+      gd_attitude_go_to(job, GD_ATTITUDE_PUBLISH);
       break;
     default:
       if (gd_attitude_rests_first(a) > 0) {

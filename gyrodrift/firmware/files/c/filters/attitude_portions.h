@@ -19,6 +19,9 @@ static inline void gd_attitude_do_hypothesis(gd_attitude *a, int i) {
     case GD_ATTITUDE_WEIGH:
       gd_attitude_weigh_branches(a, job, i);
       break;
+    case GD_ATTITUDE_AID:
+      gd_attitude_take_aid(a, i, job->heading_deg);
+      break;
     case GD_ATTITUDE_BRANCH:
       gd_attitude_measure_branch(a, job, i);
       job->stage = i < job->rests ? GD_ATTITUDE_STAND_BRANCH : GD_ATTITUDE_BRANCH;

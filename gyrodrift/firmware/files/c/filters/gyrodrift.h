@@ -19,13 +19,13 @@
        gd_restlevel_update_us(&r, micros(), rate_dps);
        use(r.yaw_deg, r.yaw_sigma_deg, r.bias_dps);
 
-       gd_attitude a;                               three axes and an accelerometer: 14 KB of RAM
+       gd_attitude a;                               three axes and an accelerometer: 15 KB of RAM
        gd_attitude_init(&a, NULL);
        gd_attitude_update_us(&a, micros(), gyro_dps, accel_mps2);
        use(a.yaw_deg, a.yaw_sigma_deg, a.tilt_deg, a.q);
 
    The functions with `_us` take a 32-bit clock of microseconds that wraps. Boards need them where a double has 32 bits
-   (AVR). A copy of the struct saves the filter, and copied back it goes on from there, by the same clock.
+   (AVR). A copy of the struct saves the filter. gd_restlevel_work and gd_attitude_work divide the work of an update.
 
    Do not compile with -ffast-math: NaN would pass as a sample.
 */

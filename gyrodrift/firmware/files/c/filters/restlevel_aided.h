@@ -81,18 +81,6 @@ static inline void gd_rl_take_aid(gd_restlevel *s, gd_real expected_deg) {
   s->aid.variance = GD_R(0.0);
 }
 
-/* Takes a heading of another sensor at the end of the block, deg, in the frame of `yaw_deg`. `period_deg` is 360, or 90
-   for one of the directions of a building. Give one a second at most: more do not count as independent. Returns 0 if it
-   is no number. */
-static inline int gd_restlevel_heading(gd_restlevel *s, gd_real heading_deg, gd_real sigma_deg, gd_real period_deg) {
-  return period_deg > GD_R(0.0) && gd_aid_set(&s->aid, heading_deg - s->yaw_deg, sigma_deg, period_deg);
-}
-
-/* Takes a turn rate of another sensor at the last sample, deg/s, as wheels that go straight. */
-static inline int gd_restlevel_turn_rate(gd_restlevel *s, gd_real turn_dps, gd_real sigma_dps) {
-  return gd_aid_set(&s->aid, s->rate_dps - turn_dps, sigma_dps, GD_R(0.0));
-}
-
 #endif
 
 #endif

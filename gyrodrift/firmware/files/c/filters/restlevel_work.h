@@ -173,6 +173,9 @@ static inline void gd_rl_merge(gd_restlevel *s, gd_rl_work *w) {
 
 /* Whether the stage concerns a hypothesis. */
 static inline int gd_rl_concerns(uint8_t stage, const gd_rl_hypothesis *h) {
+  if (!(h->weight > GD_R(0.0))) {
+    return 0;
+  }
   switch (stage) {
     case GD_RL_BRANCH:
       return !h->is_at_rest;
@@ -182,9 +185,9 @@ static inline int gd_rl_concerns(uint8_t stage, const gd_rl_hypothesis *h) {
       return h->was_at_rest;
     case GD_RL_WEIGH:
     case GD_RL_UPDATE:
-      return h->weight > GD_R(0.0) && h->is_at_rest;
+      return h->is_at_rest;
     default:
-      return h->weight > GD_R(0.0);
+      return 1;
   }
 }
 
