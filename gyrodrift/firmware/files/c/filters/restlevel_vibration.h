@@ -15,7 +15,7 @@
 #define GD_VIBRATION_SHARE GD_R(0.5)             /* odds of a rest in vibration over those of a quiet rest */
 #define GD_LEAST_LEVEL_DENSITY GD_R(1e-12)
 
-/* Whether the present segment, and the last one, are noisier than the sensor. */
+/* Whether the present segment is noisier than the sensor. */
 static inline int gd_rl_is_vibrating(const gd_restlevel *s) {
 #if GD_RESTLEVEL_VIBRATION
   return s->segment.is_vibrating;
