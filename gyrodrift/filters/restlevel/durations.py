@@ -61,8 +61,8 @@ def weigh_rest(h: Hypothesis, seconds: float, sensor_odds: float) -> None:
     _weigh(h, h.rest_odds * sensor_odds / motion_density)
 
 
-def weigh_loud_rest(h: Hypothesis, seconds: float, level_density: float) -> None:
-    """Weigh a loud rest by its level and its length; its scatter is no evidence.
+def weigh_vibrating_rest(h: Hypothesis, seconds: float, level_density: float) -> None:
+    """Weigh a rest in vibration by its level and its length; its scatter is no evidence.
 
     `level_density` is that of a rest, 1/(deg/s).
     """

@@ -19,11 +19,11 @@ from gyrodrift.filters.restlevel.bias_state import (
 from gyrodrift.filters.restlevel.rate_state import (
     BlockStats,
     EndedSegment,
-    LoudNoise,
     MeanTurns,
     NoiseModel,
     RateSegment,
     RateWander,
+    VibrationNoise,
 )
 
 UNKNOWN_C = UNSAID_C
@@ -152,8 +152,8 @@ class RestlevelState:
         External rest sensor.
     remembered, recalled, sure, line
         Remembered biases; remembered noise; sure rests; bias against temperature.
-    block, noise, loud, turns, wander, segment, ended, hypotheses, moments
-        Present block; noise of the sensor; noise of louder blocks; mean rates; agreement of levels; present
+    block, noise, vibration, turns, wander, segment, ended, hypotheses, moments
+        Present block; noise of the sensor; noise of noisier blocks; mean rates; agreement of levels; present
         constant-rate segment; last segment that has ended; Gaussian sum, and its moments at the beginning of the block.
     """
 
@@ -178,7 +178,7 @@ class RestlevelState:
     travelled_s: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
-    loud: LoudNoise = field(default_factory=LoudNoise)
+    vibration: VibrationNoise = field(default_factory=VibrationNoise)
     turns: MeanTurns = field(default_factory=MeanTurns)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)

@@ -2,10 +2,10 @@
 
 from math import sqrt
 
-from gyrodrift.filters.restlevel.loud import LOUD_BLOCKS, follow_means, is_steadily_loud, resumes
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import MIN_VAR, is_stationary, sensor_odds
 from gyrodrift.filters.restlevel.rate_state import RateSegment
+from gyrodrift.filters.restlevel.vibration import VIBRATION_BLOCKS, follow_means, resumes, vibrates_steadily
 from gyrodrift.filters.restlevel.wander import count_agreement, count_break, forget_levels
 
 CONFIRMED_BLOCKS = 5
@@ -62,7 +62,11 @@ def track_segment(
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
     seconds_before, sensor_odds_before = segment.seconds, segment.sensor_odds
-    was_loud, was_confirmed, loud_before_var = segment.is_loud, is_confirmed(segment), s.loud.sample_var
+    was_vibrating, was_confirmed, vibration_before_var = (
+        segment.is_vibrating,
+        is_confirmed(segment),
+        s.vibration.sample_var,
+    )
     is_now_stationary = not s.noise.is_frozen and is_stationary(c, s.block, s.noise) and s.witness.moving == 0
     is_short_start = not is_now_stationary and _is_short_start(c, s, seconds)
     s.blocks += 1
@@ -75,12 +79,12 @@ def track_segment(
     if is_now_stationary and s.wander.was_stationary:
         _follow_wander(c, s, mean_dps, seconds)
     s.wander.was_stationary = is_now_stationary
-    may_be_loud = not is_now_stationary and not s.noise.is_frozen and s.witness.moving == 0
-    if is_now_stationary or not may_be_loud:
-        s.loud.blocks = 0
-    if is_now_stationary or (may_be_loud and is_steadily_loud(s)):
-        if segment.is_loud != may_be_loud:
-            segment.is_loud, segment.blocks = may_be_loud, 0
+    may_vibrate = not is_now_stationary and not s.noise.is_frozen and s.witness.moving == 0
+    if is_now_stationary or not may_vibrate:
+        s.vibration.blocks = 0
+    if is_now_stationary or (may_vibrate and vibrates_steadily(s)):
+        if segment.is_vibrating != may_vibrate:
+            segment.is_vibrating, segment.blocks = may_vibrate, 0
         _take_block(c, s, mean_dps, seconds)
     else:
         segment.blocks = 0
@@ -89,14 +93,14 @@ def track_segment(
     if is_short_start or (was_confirmed and not is_confirmed(segment)):
         ended.mean_dps, ended.blocks_ago = mean_before_dps, 0
         ended.seconds, ended.sensor_odds = seconds_before, sensor_odds_before
-        ended.is_loud, ended.sample_var = was_loud, loud_before_var
-        ended.ended_gradually = not was_loud and is_now_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
+        ended.is_vibrating, s.vibration.ended_var = was_vibrating, vibration_before_var
+        ended.ended_gradually = not was_vibrating and is_now_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
     ended.blocks_ago += 1
 
 
 def confirming_blocks(segment: RateSegment) -> int:
     """Number of blocks that confirm the segment."""
-    return LOUD_BLOCKS if segment.is_loud else CONFIRMED_BLOCKS
+    return VIBRATION_BLOCKS if segment.is_vibrating else CONFIRMED_BLOCKS
 
 
 def is_confirmed(segment: RateSegment) -> bool:
@@ -106,7 +110,7 @@ def is_confirmed(segment: RateSegment) -> bool:
 
 def block_mean_var(s: RestlevelState, seconds: float) -> float:
     """Variance of a block mean of the present segment, (deg/s)²."""
-    return s.loud.mean_var if s.segment.is_loud else s.noise.angle_walk_var / seconds
+    return s.vibration.mean_var if s.segment.is_vibrating else s.noise.angle_walk_var / seconds
 
 
 def goes_on_gradually(s: RestlevelState, step_dps: float, seconds: float) -> bool:
@@ -119,7 +123,7 @@ def is_from_start(s: RestlevelState, seconds: float) -> bool:
     segment = s.segment
     mean_var = s.noise.angle_walk_var / seconds
     range_dps = segment.most_dps - segment.least_dps
-    is_early = s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and not segment.is_loud
+    is_early = s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and not segment.is_vibrating
     return is_early and range_dps < START_SIGMAS * sqrt(mean_var)
 
 
@@ -143,7 +147,7 @@ def _is_short_start(c: RestlevelCoefficients, s: RestlevelState, seconds: float)
     """Whether a present block in motion ends a short rest from the start."""
     blocks = s.segment.blocks
     is_long_enough = blocks >= SHORT_BLOCKS and blocks * seconds >= CONFIRMED_BLOCKS * c.window_s
-    return is_long_enough and not s.segment.is_loud and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
+    return is_long_enough and not s.segment.is_vibrating and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
 
 
 def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
@@ -160,12 +164,12 @@ def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float,
 
 
 def _take_block(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
-    """Extend the segment by a stationary or loud block, or begin another segment."""
+    """Extend the segment by a stationary or vibrating block, or begin another segment."""
     segment, ramp_dps = s.segment, c.rate_ramp_dps_s * seconds
     if segment.blocks == 0 or not _is_in_gate(s, mean_dps, block_mean_var(s, seconds), ramp_dps):
         segment.blocks, segment.seconds, segment.sum_squares = 1, seconds, 0.0
         segment.head_sum_dps = segment.mean_dps = mean_dps
-        if segment.is_loud:
+        if segment.is_vibrating:
             follow_means(s)
         return
     step_dps = mean_dps - segment.last_mean_dps
@@ -175,7 +179,7 @@ def _take_block(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, se
     if segment.blocks == 2:
         segment.head_sum_dps += mean_dps
     _follow_scatter(s)
-    is_rest_like = not segment.is_loud or follow_means(s)
+    is_rest_like = not segment.is_vibrating or follow_means(s)
     if segment.blocks == confirming_blocks(segment):
         slope_dps = 0.5 * (segment.last_mean_dps + mean_dps - segment.head_sum_dps)
         slope_var = block_mean_var(s, seconds) + 4.0 * ramp_dps * ramp_dps
@@ -191,15 +195,15 @@ def _follow_scatter(s: RestlevelState) -> None:
     vibration averages out within a block, a motion does not. For white noise the second is half of the first.
     """
     segment = s.segment
-    sample_var = s.loud.sample_var if segment.is_loud else s.noise.sample_var
+    sample_var = s.vibration.sample_var if segment.is_vibrating else s.noise.sample_var
     step_var = 0.25 * s.block.samples * segment.sum_squares / (segment.blocks - 1)
     segment.averages_out = step_var < LESS_THAN_WHITE * sample_var
-    segment.sensor_odds = 1.0 if segment.is_loud else sensor_odds(max(MIN_VAR, min(sample_var, step_var)))
+    segment.sensor_odds = 1.0 if segment.is_vibrating else sensor_odds(max(MIN_VAR, min(sample_var, step_var)))
 
 
 def _mean_blocks(segment: RateSegment) -> int:
     """Number of blocks in the mean of the segment."""
-    return segment.blocks if segment.is_loud else min(segment.blocks, MEAN_BLOCKS)
+    return segment.blocks if segment.is_vibrating else min(segment.blocks, MEAN_BLOCKS)
 
 
 def _is_in_gate(s: RestlevelState, mean_dps: float, mean_var: float, ramp_dps: float) -> bool:

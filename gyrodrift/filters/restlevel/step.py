@@ -203,7 +203,7 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         update_mean(segment, mean_dps)
     if not is_certain and is_confirming:
         _confirm(c, s, seconds)
-    elif segment.is_loud or segment.blocks < CONFIRMED_BLOCKS:
+    elif segment.is_vibrating or segment.blocks < CONFIRMED_BLOCKS:
         follow_turns(s.turns, block.angle_deg, seconds)
     weigh_turns(s)
     collapse(c, s)
@@ -225,7 +225,7 @@ def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> Non
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.segment.is_loud and not s.ended.ended_gradually:  # after a gradual end it is the same turn
+        if not s.segment.is_vibrating and not s.ended.ended_gradually:  # after a gradual end it is the same turn
             add_mean_rate(s.turns, s.segment.mean_dps)
 
 

@@ -9,8 +9,6 @@
 #include "attitude_evidence.h"
 #include "attitude_measure.h"
 
-/* Rests that last longer than t against turns that do: (1 + (t/12 s)^2)^(1/4) : 1, as in restlevel. */
-#define GD_ATTITUDE_LEVEL_S GD_R(12.0)
 /* Error of a rest's mean beside its scatter, and that of a noisy rest once a quiet one is measured, rad/s. */
 #define GD_ATTITUDE_REST_BIAS (GD_R(0.045) * GD_ATTITUDE_RAD)
 #define GD_ATTITUDE_NOISY_REST (GD_R(0.4) * GD_ATTITUDE_RAD)
@@ -26,12 +24,6 @@
 /* Logarithm of odds from which on a hypothesis does not branch: 1 : 8000. */
 #define GD_ATTITUDE_CERTAIN GD_R(9.0)
 #define GD_ATTITUDE_LARGEST_LOG GD_R(60.0)
-
-/* Odds of a rest against a turn by its duration. */
-static inline gd_real gd_attitude_duration_odds(gd_real seconds) {
-  const gd_real t = seconds / GD_ATTITUDE_LEVEL_S;
-  return GD_SQRT(GD_SQRT(GD_R(1.0) + t * t));
-}
 
 /* Unit vector of the vertical in the sensor: the mean acceleration, or the attitude without one. */
 static inline void gd_attitude_vertical(gd_real up[3], const gd_attitude_hypothesis *h,
@@ -241,16 +233,6 @@ static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_can
     }
   }
   return 1;
-}
-
-/* Raise the probability of rests as a segment grows longer than even turns last. */
-static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, gd_real now_s) {
-  const gd_real ratio = gd_attitude_duration_odds(now_s) / gd_attitude_duration_odds(before_s);
-  int i;
-  for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_at(a, i)->weight *= gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? ratio : GD_R(1.0);
-  }
-  gd_attitude_normalize(&a->sum);
 }
 
 #endif

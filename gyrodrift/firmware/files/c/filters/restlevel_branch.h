@@ -19,14 +19,14 @@ static inline void gd_rl_go_back(const gd_rl_hypothesis *h, gd_rl_hypothesis *to
 /* Variance of the mean of a segment that is confirmed now, as a bias. */
 static inline gd_real gd_rl_level_var(const gd_restlevel *s, gd_real seconds) {
   const gd_real mean_var = gd_rl_block_mean_var(s, seconds) / (gd_real)gd_rl_confirming_blocks(s);
-  return gd_rl_is_loud(s) ? mean_var + GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_DPS : mean_var;
+  return gd_rl_is_vibrating(s) ? mean_var + GD_VIBRATION_SHIFT_DPS * GD_VIBRATION_SHIFT_DPS : mean_var;
 }
 
-/* Updates a hypothesis at the beginning of a rest; returns the logarithm of the likelihood of the mean. A loud rest is
-   no reason for a ramp of the bias: a gentle bend has such a mean. */
+/* Updates a hypothesis at the beginning of a rest; returns the logarithm of the likelihood of the mean. A rest in
+   vibration is no reason for a ramp of the bias: a gentle bend has such a mean. */
 static inline gd_real gd_rl_measure_segment(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real mean_dps,
                                             gd_real mean_var) {
-  if (gd_rl_is_loud(s)) {
+  if (gd_rl_is_vibrating(s)) {
     return gd_rl_kalman_update(h, mean_dps, mean_var, GD_R(0.0));
   }
   return gd_rl_first_kalman_update(&s->c, h, mean_dps, mean_var);
@@ -34,9 +34,9 @@ static inline gd_real gd_rl_measure_segment(const gd_restlevel *s, gd_rl_hypothe
 
 /* Weighs the present rest of a hypothesis. */
 static inline void gd_rl_weigh_segment(const gd_restlevel *s, gd_rl_hypothesis *h) {
-#if GD_RESTLEVEL_LOUD
-  if (s->segment.is_loud) {
-    gd_rl_weigh_loud_rest(h, (gd_real)s->segment.seconds, gd_rl_level_density(s, h));
+#if GD_RESTLEVEL_VIBRATION
+  if (s->segment.is_vibrating) {
+    gd_rl_weigh_vibrating_rest(h, (gd_real)s->segment.seconds, gd_rl_level_density(s, h));
     return;
   }
 #endif
@@ -46,7 +46,8 @@ static inline void gd_rl_weigh_segment(const gd_restlevel *s, gd_rl_hypothesis *
 /* Begins `rest` as the rest of a hypothesis, at the beginning of the segment. */
 static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothesis *h, gd_rl_hypothesis *rest,
                                       const gd_rl_level *level) {
-  const gd_real level_var = gd_rl_is_loud(s) ? GD_LOUD_LEVEL_DPS * GD_LOUD_LEVEL_DPS : s->noise.sample_var;
+  const gd_real vehicle_var = GD_VIBRATION_LEVEL_DPS * GD_VIBRATION_LEVEL_DPS;
+  const gd_real level_var = gd_rl_is_vibrating(s) ? vehicle_var : s->noise.sample_var;
   *rest = *h;
   gd_rl_go_back(h, rest);
   rest->is_at_rest = 1;
@@ -57,7 +58,7 @@ static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothe
 /* Updates it by the mean of the segment. */
 static inline void gd_rl_update_branch(const gd_restlevel *s, gd_rl_hypothesis *rest, const gd_rl_level *level) {
   const gd_real log_likelihood = gd_rl_measure_segment(s, rest, level->mean_dps, level->mean_var);
-  rest->weight = gd_rl_is_loud(s) ? rest->weight : rest->weight * GD_EXP(log_likelihood);
+  rest->weight = gd_rl_is_vibrating(s) ? rest->weight : rest->weight * GD_EXP(log_likelihood);
 }
 
 /* First slot from `slot` on that no hypothesis has. */
@@ -119,8 +120,8 @@ static inline gd_rl_level gd_rl_confirmed_level(const gd_restlevel *s, gd_real s
   level.mean_dps = s->segment.mean_dps;
   level.mean_var = gd_rl_level_var(s, seconds);
   level.odds = gd_rl_is_from_start(s, seconds) ? s->c.start_odds : s->c.rest_odds;
-#if GD_RESTLEVEL_LOUD
-  level.odds = s->segment.is_loud ? gd_rl_loud_odds(s, level.odds) : level.odds;
+#if GD_RESTLEVEL_VIBRATION
+  level.odds = s->segment.is_vibrating ? gd_rl_vibration_odds(s, level.odds) : level.odds;
 #endif
   return level;
 }

@@ -58,8 +58,8 @@ static inline void gd_rl_outlast_motions(gd_rl_hypothesis *h, int averages_out) 
   }
 }
 
-/* Weighs a loud rest by its level and its length. */
-static inline void gd_rl_weigh_loud_rest(gd_rl_hypothesis *h, gd_real seconds, gd_real level_density) {
+/* Weighs a rest in vibration by its level and its length. */
+static inline void gd_rl_weigh_vibrating_rest(gd_rl_hypothesis *h, gd_real seconds, gd_real level_density) {
   const gd_real no_rest = gd_rl_spin_density(seconds) + h->chance_density + h->noisy_density;
   gd_rl_weigh(h, h->rest_odds * level_density / no_rest);
 }

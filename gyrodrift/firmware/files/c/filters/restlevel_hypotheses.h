@@ -62,8 +62,8 @@ static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
 static inline void gd_rl_forget_segments(gd_restlevel *s) {
   s->wander.was_stationary = 0;
   s->segment.blocks = 0;
-#if GD_RESTLEVEL_LOUD
-  s->loud.blocks = 0;
+#if GD_RESTLEVEL_VIBRATION
+  s->vibration.blocks = 0;
 #endif
   s->ended.blocks_ago = GD_NEVER;
   s->ended.short_start_blocks = 0;
@@ -77,8 +77,8 @@ static inline void gd_rl_restart(gd_restlevel *s) {
   gd_rl_forget_levels(&s->wander);
   gd_rl_forget_turns(&s->turns);
   gd_rl_forget_segments(s);
-#if GD_RESTLEVEL_LOUD
-  s->loud.motions = s->loud.motion_var = GD_R(0.0);
+#if GD_RESTLEVEL_VIBRATION
+  s->vibration.motions = s->vibration.motion_var = GD_R(0.0);
 #endif
   s->blocks = 0;
 #if GD_RESTLEVEL_AUXILIARY
@@ -117,8 +117,8 @@ static inline void gd_rl_enter_segment(gd_restlevel *s) {
 /* Ends the rest of all hypotheses at the end of a confirmed segment. */
 static inline void gd_rl_leave_segment(gd_restlevel *s) {
   uint8_t k;
-#if GD_RESTLEVEL_LOUD
-  if (s->ended.is_loud) {
+#if GD_RESTLEVEL_VIBRATION
+  if (s->ended.is_vibrating) {
     gd_rl_count_motion(s);
   }
 #endif
@@ -177,8 +177,8 @@ static inline void gd_rl_resume(const gd_restlevel *s, gd_rl_hypothesis *h, gd_r
 /* Variance of a further block mean of a rest. The shift of a bias by vibration stays for a while. */
 static inline gd_real gd_rl_further_var(const gd_restlevel *s, gd_real seconds) {
   const gd_real block_var = gd_rl_block_mean_var(s, seconds);
-  const gd_real shift_var = GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_S / seconds;
-  return gd_rl_is_loud(s) ? block_var + shift_var : block_var;
+  const gd_real shift_var = GD_VIBRATION_SHIFT_DPS * GD_VIBRATION_SHIFT_DPS * GD_VIBRATION_SHIFT_S / seconds;
+  return gd_rl_is_vibrating(s) ? block_var + shift_var : block_var;
 }
 
 /* Weighs a hypothesis of rest by a further block of a confirmed segment, and sums up its excess of variance. */
@@ -198,7 +198,7 @@ static inline void gd_rl_zero_velocity_update(const gd_restlevel *s, gd_rl_hypot
                                               gd_real seconds) {
   const gd_real ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
   gd_rl_kalman_update(h, mean_dps, gd_rl_further_var(s, seconds), ramp_var);
-  h->moving_s = gd_rl_is_loud(s) ? h->moving_s : GD_R(0.0);
+  h->moving_s = gd_rl_is_vibrating(s) ? h->moving_s : GD_R(0.0);
   gd_rl_follow_slide(&s->c, h, s->block.seconds);
 }
 

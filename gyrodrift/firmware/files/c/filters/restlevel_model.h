@@ -42,8 +42,8 @@
 #ifndef GD_RESTLEVEL_AIDS
 #define GD_RESTLEVEL_AIDS GD_RL_DEFAULT_PARTS
 #endif
-#ifndef GD_RESTLEVEL_LOUD
-#define GD_RESTLEVEL_LOUD GD_RL_DEFAULT_PARTS
+#ifndef GD_RESTLEVEL_VIBRATION
+#define GD_RESTLEVEL_VIBRATION GD_RL_DEFAULT_PARTS
 #endif
 
 /* 1: gd_restlevel_work does the work of a block in portions. It keeps hypotheses that begin in the state; else they are
@@ -148,8 +148,8 @@ typedef struct {
   gd_rl_remembered remembered;
 #endif
   gd_rl_noise noise;
-#if GD_RESTLEVEL_LOUD
-  gd_rl_loud loud;
+#if GD_RESTLEVEL_VIBRATION
+  gd_rl_vibration vibration;
 #endif
   gd_rl_segment segment;
   gd_rl_ended ended;

@@ -2,7 +2,7 @@
 #ifndef GD_RESTLEVEL_SEGMENTS_H
 #define GD_RESTLEVEL_SEGMENTS_H
 
-#include "restlevel_loud.h"
+#include "restlevel_vibration.h"
 #include "restlevel_wander.h"
 
 #define GD_CONFIRMED_BLOCKS 5          /* number of blocks that confirm a segment */
@@ -20,12 +20,12 @@
 /* Number of blocks in the present mean of the segment. */
 static inline gd_real gd_rl_mean_blocks(const gd_restlevel *s) {
   const uint32_t blocks = s->segment.blocks;
-  return (gd_real)(gd_rl_is_loud(s) || blocks < GD_MEAN_BLOCKS ? blocks : GD_MEAN_BLOCKS);
+  return (gd_real)(gd_rl_is_vibrating(s) || blocks < GD_MEAN_BLOCKS ? blocks : GD_MEAN_BLOCKS);
 }
 
 /* Number of blocks that confirm the segment. */
 static inline uint32_t gd_rl_confirming_blocks(const gd_restlevel *s) {
-  return gd_rl_is_loud(s) ? GD_LOUD_BLOCKS : GD_CONFIRMED_BLOCKS;
+  return gd_rl_is_vibrating(s) ? GD_VIBRATION_BLOCKS : GD_CONFIRMED_BLOCKS;
 }
 
 /* Whether the segment is confirmed. */
@@ -35,9 +35,9 @@ static inline int gd_rl_is_confirmed(const gd_restlevel *s) {
 
 /* Variance of a block mean of the present segment. */
 static inline gd_real gd_rl_block_mean_var(const gd_restlevel *s, gd_real seconds) {
-#if GD_RESTLEVEL_LOUD
-  if (s->segment.is_loud) {
-    return s->loud.mean_var;
+#if GD_RESTLEVEL_VIBRATION
+  if (s->segment.is_vibrating) {
+    return s->vibration.mean_var;
   }
 #endif
   return s->noise.angle_walk_var / seconds;
@@ -54,7 +54,7 @@ static inline int gd_rl_is_in_gate(const gd_restlevel *s, gd_real mean_dps, gd_r
 static inline int gd_rl_is_from_start(const gd_restlevel *s, gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / seconds;
   const gd_real range_dps = s->segment.most_dps - s->segment.least_dps;
-  const int is_early = s->blocks < GD_MAX_GAP_BLOCKS + GD_CONFIRMED_BLOCKS && !gd_rl_is_loud(s);
+  const int is_early = s->blocks < GD_MAX_GAP_BLOCKS + GD_CONFIRMED_BLOCKS && !gd_rl_is_vibrating(s);
   return is_early && range_dps < GD_START_SIGMAS * GD_SQRT(mean_var);
 }
 
@@ -77,7 +77,7 @@ static inline int gd_rl_continues(const gd_restlevel *s, gd_real seconds) {
   const gd_real blocks = GD_R(1.0) / GD_R(GD_CONFIRMED_BLOCKS) + GD_R(1.0) / GD_R(GD_MEAN_BLOCKS);
   const gd_real gate_var = mean_var * blocks + ramp_dps * ramp_dps + s->noise.flicker_var;
   const gd_real sigmas = ended->seconds >= GD_LONG_SEGMENT_S ? GD_LONG_GATE_SIGMAS : GD_GATE_SIGMAS;
-#if GD_RESTLEVEL_LOUD
+#if GD_RESTLEVEL_VIBRATION
   if (!gd_rl_resumes(s)) {
     return 0;
   }
@@ -90,7 +90,7 @@ static inline int gd_rl_continues(const gd_restlevel *s, gd_real seconds) {
 static inline int gd_rl_is_short_start(const gd_restlevel *s, gd_real seconds) {
   const uint32_t blocks = s->segment.blocks;
   return blocks >= GD_SHORT_BLOCKS && (gd_real)blocks * seconds >= GD_R(GD_CONFIRMED_BLOCKS) * (gd_real)s->c.window_s &&
-         !gd_rl_is_loud(s) && blocks < GD_CONFIRMED_BLOCKS && gd_rl_is_from_start(s, seconds);
+         !gd_rl_is_vibrating(s) && blocks < GD_CONFIRMED_BLOCKS && gd_rl_is_from_start(s, seconds);
 }
 
 /* Updates the agreement of levels by a stationary block that follows a stationary block. */
@@ -111,15 +111,15 @@ static inline void gd_rl_follow_scatter(gd_restlevel *s) {
   const gd_real blocks = (gd_real)(segment->blocks - 1);
   const gd_real step_var = GD_R(0.25) * (gd_real)s->block.samples * segment->sum_squares / blocks;
   gd_real sample_var = s->noise.sample_var;
-#if GD_RESTLEVEL_LOUD
-  sample_var = segment->is_loud ? s->loud.sample_var : sample_var;
+#if GD_RESTLEVEL_VIBRATION
+  sample_var = segment->is_vibrating ? s->vibration.sample_var : sample_var;
 #endif
   segment->averages_out = step_var < GD_LESS_THAN_WHITE * sample_var;
   segment->sensor_odds =
-      gd_rl_is_loud(s) ? GD_R(1.0) : gd_rl_sensor_odds(gd_max(GD_MIN_VAR, gd_min(sample_var, step_var)));
+      gd_rl_is_vibrating(s) ? GD_R(1.0) : gd_rl_sensor_odds(gd_max(GD_MIN_VAR, gd_min(sample_var, step_var)));
 }
 
-/* Extends the segment by a stationary or loud block, or begins another segment. */
+/* Extends the segment by a stationary or vibrating block, or begins another segment. */
 static inline void gd_rl_take_block(gd_restlevel *s, gd_real mean_dps, gd_real seconds) {
   gd_rl_segment *segment = &s->segment;
   const gd_real ramp_dps = s->c.rate_ramp_dps_s * seconds;
@@ -153,7 +153,7 @@ static inline void gd_rl_take_block(gd_restlevel *s, gd_real mean_dps, gd_real s
 }
 
 /* Updates the range of block means, the agreement of levels and the segment by the present block. */
-static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, int may_be_loud, gd_real mean_dps,
+static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, int may_vibrate, gd_real mean_dps,
                                    gd_real seconds) {
   gd_rl_segment *segment = &s->segment;
   if (s->blocks < UINT8_MAX) {
@@ -171,7 +171,7 @@ static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, int may_b
     gd_rl_follow_wander(s, mean_dps, seconds);
   }
   s->wander.was_stationary = is_stationary != 0;
-  if (gd_rl_belongs_to_segment(s, is_stationary, may_be_loud)) {
+  if (gd_rl_belongs_to_segment(s, is_stationary, may_vibrate)) {
     gd_rl_take_block(s, mean_dps, seconds);
   } else {
     segment->blocks = 0;
@@ -195,12 +195,12 @@ static inline void gd_rl_track_segment(gd_restlevel *s, int is_stationary, gd_re
   gd_rl_ended *ended = &s->ended;
   const gd_rl_segment before = s->segment;
   const int was_confirmed = gd_rl_is_confirmed(s);
-#if GD_RESTLEVEL_LOUD
-  const gd_real loud_before_var = s->loud.sample_var;
+#if GD_RESTLEVEL_VIBRATION
+  const gd_real vibration_before_var = s->vibration.sample_var;
 #endif
-  const int may_be_loud = !is_stationary && !s->noise.is_frozen && !gd_rl_has_moved(s);
+  const int may_vibrate = !is_stationary && !s->noise.is_frozen && !gd_rl_has_moved(s);
   const int is_short_start = !is_stationary && gd_rl_is_short_start(s, seconds);
-  gd_rl_take_mean(s, is_stationary, may_be_loud, mean_dps, seconds);
+  gd_rl_take_mean(s, is_stationary, may_vibrate, mean_dps, seconds);
   ended->short_start_blocks = is_short_start ? (uint8_t)before.blocks : 0;
   if (is_short_start || (was_confirmed && !gd_rl_is_confirmed(s))) {
     ended->mean_dps = before.mean_dps;
@@ -208,10 +208,10 @@ static inline void gd_rl_track_segment(gd_restlevel *s, int is_stationary, gd_re
     ended->sensor_odds = before.sensor_odds;
     ended->blocks_ago = 0;
     ended->ended_gradually = is_stationary && GD_ABS(step_dps) < GD_GRADUAL_DPS_S * seconds;
-#if GD_RESTLEVEL_LOUD
-    ended->is_loud = before.is_loud;
-    ended->sample_var = loud_before_var;
-    ended->ended_gradually = ended->ended_gradually && !before.is_loud;
+#if GD_RESTLEVEL_VIBRATION
+    ended->is_vibrating = before.is_vibrating;
+    s->vibration.ended_var = vibration_before_var;
+    ended->ended_gradually = ended->ended_gradually && !before.is_vibrating;
 #endif
   }
   if (ended->blocks_ago < GD_NEVER) {

@@ -126,11 +126,11 @@ static inline void gd_rl_confirm(gd_restlevel *s, gd_rl_work *w, gd_real seconds
       gd_rl_go_to(w, GD_RL_RESUME);
     } else {
       gd_rl_begin_branches(s, w, gd_rl_confirmed_level(s, seconds), GD_RL_TURNS);
-      if (!gd_rl_is_loud(s) && !s->ended.ended_gradually) { /* after a gradual end it is the same turn */
+      if (!gd_rl_is_vibrating(s) && !s->ended.ended_gradually) { /* after a gradual end it is the same turn */
         gd_rl_add_mean_rate(&s->turns, s->segment.mean_dps);
       }
     }
-  } else if (gd_rl_is_loud(s) || s->segment.blocks < GD_CONFIRMED_BLOCKS) {
+  } else if (gd_rl_is_vibrating(s) || s->segment.blocks < GD_CONFIRMED_BLOCKS) {
     gd_rl_follow_turns(&s->turns, s->block.angle_deg, s->block.seconds);
   }
 }
@@ -196,7 +196,7 @@ static inline void gd_rl_do_hypothesis(gd_restlevel *s, gd_rl_work *w, gd_rl_hyp
   const gd_real mean_dps = gd_rl_mean_dps(s);
   switch (w->stage) {
     case GD_RL_BRANCH:
-      if (h->knows_bias || !gd_rl_is_loud(s)) {
+      if (h->knows_bias || !gd_rl_is_vibrating(s)) {
         gd_rl_begin_branch(s, h, &w->rests.items[w->rests.count], &w->level);
         w->stage = GD_RL_UPDATE_BRANCH;
       }
