@@ -13,7 +13,19 @@ from firmware_sim.measure import StillWord, measure
 from firmware_sim.motion.profile import load_motion, shipped_profiles
 from firmware_sim.player import play, play_after_each_opening, stopped_by_signals
 from firmware_sim.pty import Cable, PtyDevice
-from firmware_sim.rig import OWN_YAWS, Rig, load_rig, parse_effect, with_axes, with_effects, with_own_yaw
+from firmware_sim.rig import (
+    AIDS,
+    OWN_YAWS,
+    Rig,
+    load_rig,
+    parse_aid,
+    parse_effect,
+    with_aids,
+    with_axes,
+    with_effects,
+    with_own_yaw,
+)
+from firmware_sim.second_source import aid_streams, lines_between
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
 from firmware_sim.yaml_file import FileError
@@ -24,6 +36,9 @@ WHOLE = re.compile(r"[0-9]{1,18}")
 
 CARRIES_OWN_YAW = "native"
 """The only protocol with a frame for the device's own yaw."""
+
+CARRIES_AIDS = "text"
+"""The only protocol with lines for second sources."""
 
 LONGEST_QUOTE = 40
 """Longest quote of a wrong value, characters."""
@@ -53,7 +68,10 @@ def device_of(arguments: argparse.Namespace) -> Device:
 
     def frames() -> Iterator[Frame]:
         blocks = faulty_blocks(measure(rig, profile, arguments.seed, still=StillWord(arguments.still)), faults)
-        endless = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
+        lines = encoder.frames(blocks, rig.base)
+        if rig.aids:
+            lines = lines_between(lines, aid_streams(rig.aids, profile, arguments.seed))
+        endless = faulty_frames(lines, faults, arguments.seed)
         return endless if arguments.duration is None else takewhile(lambda f: f.t_s < arguments.duration, endless)
 
     return Device(frames, encoder.hello(rig.base), FaultyCable(faults))
@@ -86,7 +104,11 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
 def _rig(arguments: argparse.Namespace) -> Rig:
     effects = [parse_effect(text) for text in arguments.effect]
     axes = int(arguments.axes) if arguments.axes else None
+    aids = [parse_aid(text) for text in arguments.aid]
     rig = with_own_yaw(with_effects(with_axes(load_rig(arguments.rig), axes), effects), arguments.own_yaw)
+    rig = with_aids(rig, aids)
+    if rig.aids and arguments.protocol != CARRIES_AIDS:
+        raise FileError(f"--aid: only labeled lines carry second sources; use --protocol {CARRIES_AIDS}")
     if rig.base.own_yaw is not None and arguments.protocol != CARRIES_OWN_YAW:
         raise FileError(
             f"--protocol {arguments.protocol}: does not carry the device's own yaw; use --protocol {CARRIES_OWN_YAW}, "
@@ -105,6 +127,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME[:param=value,...]",
         help="add an effect to the rig, at its typical size without parameters (repeatable; default: none)",
+    )
+    parser.add_argument(
+        "--aid",
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help=f"a second source, in lines of --protocol text (repeatable; default: none): {', '.join(AIDS)}",
     )
     parser.add_argument(
         "--fault",

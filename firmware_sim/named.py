@@ -26,8 +26,11 @@ def parse_named(
         raise FileError(f"--{noun} {text}: there is no {noun} {name!r}; {hint}")
     kind = catalogue[name]
     # Kinds in rig files have their name as a field, which is not a parameter.
-    defaults = {key: field.default for key, field in kind.model_fields.items() if field.default != name}
-    values = {} if listed else dict(bare(kind))
+    is_kind_of_many = "name" in kind.model_fields and kind.model_fields["name"].is_required()
+    own = {"name": name} if is_kind_of_many else {}
+    fields = {key: field for key, field in kind.model_fields.items() if key not in own}
+    defaults = {key: field.default for key, field in fields.items() if field.default != name}
+    values: dict[str, Any] = own | ({} if listed else dict(bare(kind)))
     for pair in filter(None, listed.split(",")):
         parameter, _, value = pair.partition("=")
         is_word = isinstance(defaults.get(parameter), str)

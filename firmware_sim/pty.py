@@ -11,7 +11,6 @@ import pty
 import select
 import socket
 import struct
-import termios
 import time
 import tty
 from collections.abc import Callable
@@ -207,15 +206,15 @@ class PtyDevice:
                 )  # an incomplete frame before it counts as damaged
 
     def _reader_is_done(self) -> bool:
+        """Whether nothing waits for the reader; a poll also sees bytes on their way to the port."""
         try:
             fd = os.open(self.slave_name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         except OSError:
             return True
         try:
-            (waiting,) = struct.unpack("i", fcntl.ioctl(fd, termios.FIONREAD, b"\0\0\0\0"))
+            return not select.select([fd], [], [], 0.0)[0]
         finally:
             os.close(fd)
-        return int(waiting) == 0
 
 
 def _line_rate(fd: int) -> int:

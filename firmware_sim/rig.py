@@ -147,11 +147,65 @@ class Base(Checked):
         return fields
 
 
+AidName = Literal["heading", "turn_rate", "wheels", "speed", "standing"]
+AIDS: tuple[AidName, ...] = get_args(AidName)
+
+
+class SimulatedAid(Checked):
+    """Second source beside the gyro, and its flaws.
+
+    name
+        heading, turn_rate, wheels, speed or standing.
+    every_s, late_s
+        Time between two measurements, and from a measurement to its arrival, s.
+    sigma, resolution
+        Standard deviation and rounding, in the unit of the value: deg, deg/s or m/s.
+    threshold
+        Size below which it reads 0.
+    sign, scale_percent
+        −1 if it is reversed, and the error of its scale, %.
+    offset_deg, period_deg
+        Of a heading: its zero, and 360, or 90 for walls.
+    wrong_share, slip_share, gone_share
+        Shares of wrong measurements, and of stretches of time in which turns read too much, or nothing comes.
+    stuck_s
+        Time from which on it repeats its value, s; 0 for never.
+    speed_mps, track_m
+        Speed whenever the device does not rest, and distance of the wheels.
+    """
+
+    name: AidName
+    every_s: Annotated[float, Field(ge=0.001, le=3600.0)] = 1.0
+    late_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    sigma: Annotated[float, Field(ge=0.0, le=180.0)] = 0.0
+    resolution: Annotated[float, Field(ge=0.0, le=90.0)] = 0.0
+    threshold: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    sign: Literal[-1, 1] = 1
+    scale_percent: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
+    offset_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
+    period_deg: Annotated[float, Field(gt=0.0, le=360.0)] = 360.0
+    wrong_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    slip_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    gone_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    stuck_s: Annotated[float, Field(ge=0.0)] = 0.0
+    speed_mps: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
+    track_m: Annotated[float, Field(gt=0.0, le=10.0)] = 0.3
+
+
 class Rig(Checked):
-    """Rig: the ideal device and its effects; an effect may be listed several times."""
+    """Rig: the ideal device, its effects and second sources; an effect may be listed several times."""
 
     base: Base = Base()
     effects: Annotated[tuple[AnyEffect, ...], Field(strict=False)] = ()
+    aids: Annotated[tuple[SimulatedAid, ...], Field(strict=False)] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_aids(self, as_usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Fields of a rig without second sources stay what they were, to the byte."""
+        fields: dict[str, Any] = as_usual(self)
+        if not self.aids:
+            del fields["aids"]
+        return fields
 
 
 def load_rig(path: Path | None) -> Rig:
@@ -174,6 +228,22 @@ def parse_effect(text: str) -> Effect:
         The effect or a parameter is unknown, or a value is invalid.
     """
     return parse_named("effect", text, {**CATALOGUE, **TRIAXIAL}, lambda kind: kind.typical)
+
+
+def parse_aid(text: str) -> SimulatedAid:
+    """Second source from a command line: `heading`, or `heading:every_s=60,late_s=0.5`.
+
+    Raises
+    ------
+    FileError
+        The source or a parameter is unknown, or a value is invalid.
+    """
+    return parse_named("aid", text, dict.fromkeys(AIDS, SimulatedAid), lambda _kind: {})
+
+
+def with_aids(rig: Rig, aids: Sequence[SimulatedAid]) -> Rig:
+    """Rig with additional second sources."""
+    return rig.model_copy(update={"aids": (*rig.aids, *aids)})
 
 
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:

@@ -1,5 +1,6 @@
 from gyrodrift.library.analyses import compare as compare
 from gyrodrift.library.analyses import diagnose as diagnose
+from gyrodrift.library.analyses import load_session as load_session
 from gyrodrift.library.analyses import tune as tune
 from gyrodrift.library.attitude import AttitudeEstimate as AttitudeEstimate
 from gyrodrift.library.attitude import AttitudeEstimates as AttitudeEstimates
@@ -12,7 +13,6 @@ from gyrodrift.library.filters import Restlevel as Restlevel
 from gyrodrift.library.results import plot as plot
 from gyrodrift.library.results import save as save
 from gyrodrift.library.results import simulate as simulate
-from gyrodrift.library.sessions import load_session as load_session
 
 __version__: str
 __all__ = [

@@ -1,5 +1,6 @@
 """Fixtures for all tests, first of all the one that fails a test that leaves something behind."""
 
+import gc
 import os
 import sys
 import tempfile
@@ -8,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import structlog
@@ -19,7 +20,10 @@ from recordings_support import Recordings
 from warm_process import forks
 from worker_groups import GroupScheduling
 
-settings.register_profile("untimed", deadline=None, max_examples=40)  # the machine's business; make fuzz tries more
+if TYPE_CHECKING:
+    from cluster_support import Cluster
+
+settings.register_profile("untimed", deadline=None, max_examples=25)  # the machine's business; make fuzz tries more
 settings.load_profile("untimed")
 
 ENDS_WITHIN_S = 60.0
@@ -67,7 +71,14 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+    """Begin with what takes long, and with groups, which one process runs alone: nothing waits for them at the end."""
+    items.sort(key=lambda item: not any(map(item.get_closest_marker, ("long", "xdist_group"))))
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector the walk over all tests, which stay until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -117,6 +128,13 @@ def diagnosis_kernels(request: pytest.FixtureRequest) -> None:
     """Compile what a diagnosis needs in one of several test processes; it takes 15 s, and the others load it."""
     if hasattr(request.config, "workerinput"):
         built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator["Cluster"]:
+    """A cluster of two workers, for tests of the group "cluster" that leave its scheduler alive."""
+    with import_module("cluster_support").cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
+        yield running
 
 
 @pytest.fixture(scope="session")

@@ -8,11 +8,12 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from math import atan2, cos, radians, sin
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import structlog
 from support import PATIENCE_S, Command, never, speaking_on
@@ -77,6 +78,10 @@ OWN_YAW = DeviceYaw(2.5, 0.125, -0.5)
 def with_own_yaw(plain: Corrected, own: DeviceYaw = OWN_YAW) -> Corrected:
     """The sample of a device that runs a filter itself; the two yaws differ by −0.25 deg."""
     return plain._replace(sample=plain.sample._replace(device_yaw=own), device_difference_deg=-0.25)
+
+
+WITHOUT_BIAS = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
+"""Config of a filter that takes no constant rate for a bias, however long the rate lasts."""
 
 
 def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:
@@ -183,7 +188,12 @@ class HubThread:
         self._service.send(wire.pack_json(wire.STATUS, asdict(status)))
 
     def statuses(self) -> list[OutputStatus]:
-        """The next that is heard of the outputs."""
+        """The next that is heard of the outputs; what was said before is old."""
+        self._service.setblocking(False)
+        with suppress(BlockingIOError):
+            while self._service.recv(wire.LONGEST_BYTES):
+                pass
+        self._service.settimeout(PATIENCE_S)
         return [output_status(load) for load in json.loads(self._service.recv(wire.LONGEST_BYTES))]
 
     def opened(self, count: int = 1) -> list[OutputStatus]:
@@ -196,9 +206,21 @@ class HubThread:
             assert time.monotonic() < until_s, statuses
 
 
+QUICK_REPORT_S, QUICK_RETRY_S = 0.02, 0.1
+"""Between reports of a hub and before its first retry, so that tests wait for neither."""
+
+
 @contextmanager
 def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
     """Until the end of the block; these outputs are open at its begin."""
+    quick_report = patch("gyrodrift.outputs.hub.REPORT_S", QUICK_REPORT_S)
+    quick_retry = patch("gyrodrift.outputs.running.RETRY_FIRST_S", QUICK_RETRY_S)
+    with quick_report, quick_retry, _hub(*specs) as outputs:
+        yield outputs
+
+
+@contextmanager
+def _hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     loop = threading.Thread(target=lambda: asyncio.run(Hub(theirs, structlog.get_logger()).run()))
     loop.start()

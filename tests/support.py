@@ -17,7 +17,7 @@ from io import StringIO
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, NamedTuple, Self
+from typing import Any, BinaryIO, NamedTuple, Self, TypeVar
 
 import pyte
 import pytest
@@ -33,6 +33,18 @@ PATIENCE_S = 240.0
 
 TERMINAL_PATIENCE_S = 480.0
 """Patience with commands that load packages of the workstation first."""
+
+
+Value = TypeVar("Value")
+
+
+def awaited(measure: Callable[[], Value | None], is_so: Callable[[Value], object] = bool) -> Value:
+    """A value, measured again until it is so, for as long as a test has patience."""
+    until_s = time.monotonic() + PATIENCE_S
+    while (value := measure()) is None or not is_so(value):
+        assert time.monotonic() < until_s, value
+        time.sleep(0.01)
+    return value
 
 
 def beginning(path: Path, rows: int, folder: Path) -> Path:

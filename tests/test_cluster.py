@@ -1,4 +1,4 @@
-"""The workers of a cluster: what they give, what is said where they fail, and an end to waiting where they are lost."""
+"""The workers of a cluster: what they give, what is said where they fail or are lost, and a tuning on them."""
 
 import operator
 import os
@@ -6,33 +6,27 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 import dask
 import pytest
 from cluster_support import Cluster, cluster, end
-from support import free_port
+from support import PATIENCE_S, Command, free_port, quick
+from turntable_sessions import write_turntables
 
+from gyrodrift.cli import main
 from gyrodrift.io import parallel as cluster_module
 from gyrodrift.io.parallel import ClusterWorkers
 from gyrodrift.session.files import load_session
 from gyrodrift.values.errors import DataError, GyrodriftError, UsageError
 
-pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
+distributed = pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
 
 pytestmark = pytest.mark.xdist_group("cluster")
 
 LONG_S = 60.0
 """Duration of a task that must still run when its cluster is lost, s."""
-
-
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    """Two workers, for tests that leave the scheduler alive."""
-    with cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
-        yield running
 
 
 def test_results_come_in_the_order_of_their_tasks(shared: Cluster) -> None:
@@ -73,7 +67,7 @@ def test_a_missing_scheduler_is_reported_within_seconds(
     address: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The message is a line, without output of Dask, whose own patience has no part in it."""
-    monkeypatch.setattr(cluster_module, "CONNECT_S", 1.0)
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
     with silent() as server, dask.config.set({"distributed.comm.timeouts.connect": "1 h"}):
         addresses = {
             "closed port": f"tcp://127.0.0.1:{free_port()}",
@@ -101,7 +95,7 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         ClusterWorkers("tcp://127.0.0.1:8786", "tuning")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+@pytest.mark.parametrize("number", quick([signal.SIGKILL, signal.SIGSTOP], signal.SIGSTOP))
 def test_the_loss_of_the_scheduler_ends_the_wait(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], number: signal.Signals
 ) -> None:
@@ -129,3 +123,36 @@ def test_the_loss_of_all_workers_ends_the_wait(tmp_path: Path, monkeypatch: pyte
                 workers.results(tasks)
         with pytest.raises(UsageError, match="this scheduler has no workers; start some with `dask worker tcp:"):
             ClusterWorkers(alone.address, "a test")
+
+
+def without_command(path: Path) -> list[str]:
+    """A config but for the line that says how it was asked for."""
+    return [line for line in path.read_text().splitlines() if not line.startswith(("  command:", "    "))]
+
+
+def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_path: Path, shared: Cluster) -> None:
+    sessions, out = tmp_path / "sessions", tmp_path / "shared.yaml"
+    write_turntables(sessions, 4)
+    arguments = ["tune", str(sessions), "--filter", "hdr", "--iterations", "200", "--seed", "1"]
+    with (
+        Command(*arguments, "--out", out, "--cluster", shared.address) as tune,
+        distributed.Client(shared.address, set_as_default=False) as client,
+    ):
+        tune.until(lambda _: any(client.has_what().values()), "session on a worker")
+        os.kill(client.run(os.getpid).popitem()[1], signal.SIGKILL)
+        assert tune.end() == 0, tune.log
+        client.wait_for_workers(2, timeout=PATIENCE_S)
+    assert main([*arguments, "--out", str(tmp_path / "here.yaml")]) == 0
+    assert without_command(out) == without_command(tmp_path / "here.yaml")
+
+
+def test_a_cluster_that_is_not_there_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
+    sessions = tmp_path / "sessions"
+    write_turntables(sessions, 2)
+    request = ["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), "--cluster", "tcp://127.0.0.1:9"]
+    assert main(request) == 2
+    assert "tcp://127.0.0.1:9: no Dask scheduler answers there" in capsys.readouterr().err
+    assert not (tmp_path / "c.yaml").exists()

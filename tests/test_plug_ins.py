@@ -240,9 +240,7 @@ def test_a_filter_that_fails_while_it_works_is_one_line(
 def test_a_protocol_without_all_of_a_decoder_is_refused(site: Site) -> None:
     source = (EXAMPLES / "protocol" / "milli_frames.py").read_text().replace('        self.unread = ""\n', "")
     site.install("bad", "gyrodrift.protocols", "milli", "bad:MILLI", source)
-    assert PROTOCOLS.problems() == [
-        f"milli: the protocol of bad is no protocol: its decoder has no unread; {REMEDY}",
-    ]
+    assert PROTOCOLS.problems() == [f"milli: the protocol of bad is no protocol: its decoder has no unread; {REMEDY}"]
 
 
 def test_what_a_package_prints_goes_to_stderr(site: Site, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,7 +9,7 @@ def test_a_group_is_that_of_the_file_or_a_file_with_shared_fixtures_and_other_te
     assert group_of("tests/test_wheel.py::test_it[a::b@c]") == "wheel"
     assert group_of("tests/test_files.py::test_it[x]") == "tests/test_files.py::test_it[x]"
     assert group_of("tests/crash/test_crash.py::test_it") == "tests/crash/test_crash.py"
-    assert group_of("tests/cli/test_diagnose.py::test_it") == "tests/cli/test_diagnose.py::test_it"
+    assert group_of("tests/cli/test_diagnose.py::test_it") == "diagnosis"
 
 
 def test_every_group_is_named_where_it_is_looked_for() -> None:

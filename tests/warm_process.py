@@ -5,6 +5,7 @@ commands. Tests of the start itself (installation, imports, terminals) start Pyt
 """
 
 import atexit
+import gc
 import json
 import os
 import runpy
@@ -13,6 +14,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
@@ -24,15 +26,25 @@ LOADED = (
     "gyrodrift.cli.record",
     "gyrodrift.cli.replay",
     "gyrodrift.cli.serve",
+    "gyrodrift.cli.serving",
+    "gyrodrift.config.outputs",
+    "gyrodrift.config.reading",
+    "gyrodrift.config.watch",
     "gyrodrift.filters.restlevel_filter",
     "gyrodrift.io.log",
     "gyrodrift.link.link",
     "gyrodrift.link.protocols.detect",
+    "gyrodrift.recording.live_line",
     "gyrodrift.recording.recorder",
+    "gyrodrift.recording.resilient",
     "gyrodrift.service.loop",
+    "gyrodrift.service.memory_keeper",
+    "gyrodrift.service.output_feed",
     "gyrodrift.service.pipeline",
+    "gyrodrift.service.reporting",
     "gyrodrift.session.files",
-    "numpy",
+    "numpy.ma",
+    "urllib.request",
 )
 """Packages of the commands that tests start most."""
 
@@ -154,11 +166,31 @@ def _begun(module: str, words: list[str], environment: dict[str, str], folder: s
     return module, words
 
 
+def _run_to_the_end(module: str) -> None:
+    """Run a module as a program, and end without freeing what is loaded: that takes longer than most commands."""
+    status = 0
+    try:
+        runpy.run_module(module, run_name="__main__", alter_sys=True)
+    except SystemExit as end:
+        status = int(end.code or 0)
+    threading._shutdown()  # type: ignore[attr-defined]  # what an interpreter does at its end, in its order
+    atexit._run_exitfuncs()
+    try:
+        if not sys.stdout.closed:
+            sys.stdout.flush()
+    except OSError:
+        status = 120  # as an interpreter
+    os._exit(status)
+
+
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).parent.parent)
+    gc.disable()
     for name in LOADED:
         import_module(name)
+    gc.freeze()  # a collection in a fork would walk, and so copy, all that is loaded
+    gc.enable()
     with socket.socket(fileno=int(sys.argv[1])) as connection:
         name, arguments = _request_of_a_fork(connection)
     sys.argv[1:] = arguments
-    runpy.run_module(name, run_name="__main__", alter_sys=True)
+    _run_to_the_end(name)

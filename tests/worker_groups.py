@@ -28,9 +28,8 @@ def _group_in(path: Path) -> str:
 
 @cache
 def _shares_fixtures(path: Path) -> bool:
-    """Whether a file has fixtures of its own for all its tests; long tests are spread nevertheless."""
-    text = path.read_text() if path.is_file() else ""
-    return 'scope="module"' in text and "pytest.mark.long" not in text
+    """Whether a file has fixtures of its own for all its tests."""
+    return path.is_file() and 'scope="module"' in path.read_text()
 
 
 class GroupScheduling(LoadGroupScheduling):  # type: ignore[misc]  # xdist ships no type information

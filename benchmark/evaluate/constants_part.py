@@ -1,4 +1,4 @@
-"""What other values of the constants of restlevel cost: each of them 1.5 times as large and as small.
+"""What other values of the constants of restlevel cost: each of them 1.5 times as large and as small, or its odds.
 
 The motions are the everyday ones. CRPS is that of a normal distribution with the stated sigma, deg (Gneiting and
 Raftery 2007). A constant with hardly any effect could go; one with a large effect has to be right.
@@ -42,7 +42,7 @@ def measure(seed: int, count: int, folder: Path, say: Callable[[str], None]) -> 
     figures = []
     for name, module in constants():
         changes = [_changed(sessions, today, name, module, factor) for factor in (FACTOR, 1.0 / FACTOR)]
-        worst = max(changes, key=lambda change: abs(change.mean()))
+        worst = max(changes, key=lambda change: abs(np.nan_to_num(change.mean())))
         say(f"{name}: {', '.join(f'{100.0 * change.mean():+.2f} %' for change in changes)}")
         figures.append(
             mean_figure(f"{module.__name__.rpartition('.')[2]}.{name}: change of CRPS in %", (100.0 * worst).tolist())
@@ -63,8 +63,13 @@ def constants() -> Iterator[tuple[str, ModuleType]]:
 
 def _changed(sessions: list[Session], today: Floats, name: str, module: ModuleType, factor: float) -> Floats:
     """Change of each session's CRPS as a share of the mean today."""
-    with _constant(name, module, factor * getattr(module, name)):
-        return np.asarray((_scores(sessions) - today) / today.mean())
+    old = getattr(module, name)
+    value = old * factor if not 0.0 < old < 1.0 else factor / (factor + 1.0 / old - 1.0)  # odds of a probability
+    with _constant(name, module, value):
+        try:
+            return np.asarray((_scores(sessions) - today) / today.mean())
+        except (OverflowError, ZeroDivisionError):  # a limit that keeps numbers finite
+            return np.full(len(today), np.nan)
 
 
 @contextmanager

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.net.lines import LineClient, LineServer, LineSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
@@ -21,44 +21,32 @@ class PlainYawOptions:
     rate_hz: Annotated[Rate, About("at most this many lines a second of device time")] = None
 
 
-class PlainYawOutput(Output[PlainYawOptions]):
+class PlainYawOutput(ServerOutput[PlainYawOptions, "LineServer[PlainYawSession]"]):
     """Sends one line per sample."""
 
     options_type = PlainYawOptions
 
     def __init__(self, options: PlainYawOptions, host: OutputHost) -> None:
         super().__init__(options, host)
-        self._server = LineServer(self._session, host.log)
+        self.server = LineServer(self._session, host.log)
         self._thinning = Thinning(options.rate_hz)
 
     async def open(self) -> None:
         """Listen."""
-        self.address = await self._server.listen_tcp(self.options.host, self.options.port)
+        self.address = await self.server.listen_tcp(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send the samples that are due to all clients."""
         due = self._thinning.due(samples)
         lines = "".join(f"{sample.yaw_deg:.3f}\n" for sample in due).encode()
-        for client in self._server.clients:
+        for client in self.server.clients:
             client.send(lines, len(due))
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Lines sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
 
     def _session(self, client: LineClient) -> "PlainYawSession":
         return PlainYawSession(client, self.host)
 
 
-class PlainYawSession:
+class PlainYawSession(LineSession):
     """One client."""
 
     def __init__(self, client: LineClient, host: OutputHost) -> None:
@@ -77,6 +65,3 @@ class PlainYawSession:
     def refused(self, why: str) -> bytes:
         """Notice for a client that is disconnected."""
         return f"# {why}\n".encode()
-
-    def closed(self) -> None:
-        """Release nothing: there is no state."""

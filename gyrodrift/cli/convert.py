@@ -110,7 +110,8 @@ def _of_topic(source: Path, topic: str) -> Session:
 def _tell_left_out(arguments: argparse.Namespace, session: Session) -> None:
     """Name everything that OUT will not hold."""
     form = arguments.form or "sample" if arguments.target.suffix.lower() == ".mcap" else "csv"
-    without = left_out(arguments.source, session, arguments.topic, form)
+    holds_aids = arguments.target.suffix.lower() in (".csv", ".mcap")
+    without = left_out(arguments.source, session, arguments.topic, form, holds_aids=holds_aids)
     notes = ["rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
     notes += [f"left out: {listed(without)}"] if without else []
     if notes:

@@ -178,7 +178,7 @@ def _evidence(arguments: argparse.Namespace) -> list[DeviceEvidence]:
 
 def _all_sources(arguments: argparse.Namespace) -> list[DeviceEvidence]:
     """Evidence from all gyros of the config, heard at once."""
-    settings = load_sources(arguments.config)
+    settings = [source for source in load_sources(arguments.config) if not source.aids]
     if not settings or arguments.sessions:
         raise UsageError("--config: needs a config with sources:, and no recording beside it")
     evidences = [DeviceEvidence(source.name) for source in settings]

@@ -23,6 +23,7 @@ from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.files import check_kept, write_whole
 from gyrodrift.io.progress import OnProgress, counted
+from gyrodrift.session.aids import aids_by_row
 from gyrodrift.session.calibrated import applied_scale_sigmas, device_of, with_config
 from gyrodrift.session.session import Session
 from gyrodrift.session.tables.write import Row, write_rows, written_ending
@@ -87,6 +88,11 @@ def run(arguments: argparse.Namespace) -> int:
             if begun is None or isinstance(error, GyrodriftError):
                 raise
             raise DataError(f"{session.name}: the filter state in its metadata cannot be continued: {error}") from error
+    for name, status in run.aids.items():
+        if status.differs:
+            print(
+                visible(f"gyrodrift: {session.name}: {name} is left out at the end: {status.differs}"), file=sys.stderr
+            )
     if run.state.rejected:
         skipped = f"{samples_text(run.state.rejected)} skipped (time or rate)"
         print(visible(f"gyrodrift: {session.name}: {skipped}"), file=sys.stderr)
@@ -137,11 +143,14 @@ def rows_of(
         At the end, if more samples were skipped than accepted.
     """
     accepted, restarts_s = 0, frozenset(session.restarts_s)
-    for sample in samples:
+    aids = aids_by_row(session.aids or ())
+    for index, sample in enumerate(samples):
         if sample[0] in restarts_s:
             run.gap(has_restarted=True)
         if run.step(*sample):
             accepted += 1
+            for aid in aids.get(index, ()):
+                run.aid(aid)
             yield (*sample[:2], *columns(run.state), run.correction_deg)
     rejected = run.state.rejected
     if rejected > accepted:

@@ -14,6 +14,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.service.aid_service import AidService
 from gyrodrift.service.loop import Service
 from gyrodrift.service.notify import SystemdNotify
 from gyrodrift.service.several import SeveralServices
@@ -34,10 +35,11 @@ def run(arguments: argparse.Namespace) -> int:
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
         with stop.at_once():
-            services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
+            gyros = {it.name: _service(arguments, it, lines, log, stop, closing) for it in settings if not it.aids}
+            aids = [_second_source(arguments, source, gyros[source.aids], log) for source in settings if source.aids]
         notify = SystemdNotify()
         closing.callback(notify.stopping)
-        return SeveralServices(services, log, stop, notify).run()
+        return SeveralServices([*gyros.values(), *aids], log, stop, notify).run()
     return 0
 
 
@@ -84,6 +86,17 @@ def _service(
     sink = SourceLines(lines, source.name, arguments.rate)
     parts = serving.ServiceParts(link, events, own_log, watch, (sink, sink), stop, closing, source.name)
     return serving.service_of(own, parts, [])
+
+
+def _second_source(
+    arguments: argparse.Namespace, source: SourceSettings, gyro: Service, log: FilteringBoundLogger
+) -> AidService:
+    """A source that aids a gyro."""
+    assert gyro.statements is not None  # noqa: S101 - every service of a gyro has them
+    try:
+        return AidService(source, gyro, gyro.statements, log.bind(source=source.name))
+    except UsageError as error:  # it names --port, which nobody has written here
+        raise UsageError(f"{arguments.config}: sources.{source.name}: {error}") from error
 
 
 def _arguments_of(arguments: argparse.Namespace, source: SourceSettings) -> argparse.Namespace:

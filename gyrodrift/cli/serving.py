@@ -20,7 +20,7 @@ from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.history import History
 from gyrodrift.service.listener import SampleListener, Sink
 from gyrodrift.service.live_line import ServiceLine
-from gyrodrift.service.loop import RestWord, Service
+from gyrodrift.service.loop import Service, Statements
 from gyrodrift.service.notify import SystemdNotify
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.service.recording_switch import RecordingSwitch
@@ -100,15 +100,15 @@ def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[
     listeners: list[SampleListener] = [recording, pipeline, *([] if watch is None else [follower])]
     _follow_config(arguments, follower)
     keeper = _memory(arguments.memory, pipeline, listeners)
-    word, control = RestWord(), None
+    statements, control = Statements(), None
     if specs or watch is not None or arguments.control is not None:
         reporting = _reporting(arguments, specs, follower, listeners, events, parts.source)
         reporting.memory, reporting.recording = keeper, recording
         if arguments.control is not None:
-            control = _control(arguments.control, listeners, reporting, stdout, parts.stop, word)
+            control = _control(arguments.control, listeners, reporting, stdout, parts.stop, statements)
             parts.closing.callback(control.close)
         reporting.feed.want([*specs, *(watch.config.outputs if watch else ())])
-    return Service(link, listeners, log, events, parts.stop, pipeline.sinks, control, word=word)
+    return Service(link, listeners, log, events, parts.stop, pipeline.sinks, control, statements=statements)
 
 
 def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
@@ -134,7 +134,7 @@ def _control(
     reporting: "Reporting",
     stdout: JsonLines | SourceLines | None,
     stop: StopSignal,
-    word: RestWord,
+    statements: Statements,
 ) -> "Control":
     """The socket of `--control`; the live page reaches it with a token."""
     from gyrodrift.outputs.output import ControlAccess
@@ -147,7 +147,7 @@ def _control(
     calibration = GuidedCalibration(follower.pipeline, follower.watch)
     listeners.append(calibration)
     access = reporting.feed.access = ControlAccess(str(path.absolute()), secrets.token_urlsafe(32))
-    commands = ServiceCommands(follower, stdout, reporting, stop, word, recording, calibration, access)
+    commands = ServiceCommands(follower, stdout, reporting, stop, statements, recording, calibration, access)
     return Control(path, commands.all(), follower.pipeline.log)
 
 

@@ -3,7 +3,7 @@
 The same rig, profile and seed give the same samples here and from the simulated device. --twin reads a table of
 published sessions, and simulates sessions of the same lengths with the same drift. --hard-cases writes the standard set
 of difficult sessions: 13 cases, each once still at the start and once moving, a folder of ten sessions for each. With
---axes 3 these are 15 cases of motions that tilt or accelerate.
+--axes 3 these are 15 cases of motions that tilt or accelerate, with --second-sources 3 cases of headings and wheels.
 
 A device with three axes also gets its true orientation, as NAME.truth.npz beside each session.
 """
@@ -16,7 +16,18 @@ from pathlib import Path
 from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import Motion
 from firmware_sim.motion.profile import load_motion
-from firmware_sim.rig import Rig, load_rig, parse_effect, with_axes, with_effects, with_own_yaw
+from firmware_sim.rig import (
+    AIDS,
+    Rig,
+    SimulatedAid,
+    load_rig,
+    parse_aid,
+    parse_effect,
+    with_aids,
+    with_axes,
+    with_effects,
+    with_own_yaw,
+)
 from firmware_sim.yaml_file import FileError
 from gyrodrift.cli import numbers, options
 from gyrodrift.cli.written import samples_text, written_words
@@ -62,6 +73,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="add an effect to the rig (default: none); a missing parameter has its typical value; repeatable",
     )
     parser.add_argument(
+        "--aid",
+        type=_aid,
+        action="append",
+        default=[],
+        metavar="NAME[:param=value,...]",
+        help=f"add a second source with its flaws (repeatable; default: none): {', '.join(AIDS)}",
+    )
+    parser.add_argument(
         "--axes",
         choices=("1", "3"),
         help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says; 1 for the hard cases)",
@@ -77,17 +96,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--twin", type=Path, metavar="TABLE.csv", help="table of published sessions to imitate (default: none)"
     )
     parser.add_argument("--hard-cases", action="store_true", help="write the standard set of difficult sessions")
+    parser.add_argument(
+        "--second-sources", action="store_true", help="with --hard-cases: the cases that have second sources with flaws"
+    )
     options.add_force_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when all sessions are written."""
     if arguments.hard_cases and (
-        arguments.twin or arguments.rig or arguments.effect or arguments.profile or arguments.own_yaw
+        arguments.twin or arguments.rig or arguments.effect or arguments.aid or arguments.profile or arguments.own_yaw
     ):
         raise UsageError(
-            "--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect, --own-yaw and --twin"
+            "--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect, --aid, --own-yaw, --twin"
         )
+    if arguments.second_sources and (not arguments.hard_cases or arguments.axes == "3"):
+        raise UsageError("--second-sources chooses among --hard-cases of one axis; for other sessions give --aid")
     if arguments.twin is not None and arguments.axes == "3":
         raise UsageError("--twin imitates sessions of one axis: leave out --axes 3")
     with options.progress_of(arguments) as progress:
@@ -111,6 +135,7 @@ def _axes(arguments: argparse.Namespace) -> int | None:
 def _rig_and_profile(arguments: argparse.Namespace) -> tuple[Rig, Motion]:
     try:
         rig = with_effects(with_axes(load_rig(arguments.rig), _axes(arguments)), arguments.effect)
+        rig = with_aids(rig, arguments.aid)
         return with_own_yaw(rig, arguments.own_yaw), load_motion(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
@@ -136,7 +161,8 @@ def _paths(arguments: argparse.Namespace) -> list[Path]:
     if arguments.twin is not None:
         return twin_paths(read_rows(arguments.twin), arguments.out, arguments.format)
     if arguments.hard_cases:
-        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format, _axes(arguments) or 1)
+        words = (arguments.out, arguments.sessions or SESSIONS, arguments.format, _axes(arguments) or 1)
+        return hard_case_paths(*words, is_aided=arguments.second_sources)
     return simulated_paths(arguments.out, arguments.sessions or 1, arguments.format)
 
 
@@ -165,14 +191,29 @@ def _twins(arguments: argparse.Namespace, rig: Rig, progress: OnProgress) -> Ite
 def _hard_cases(arguments: argparse.Namespace, progress: OnProgress) -> Iterator[str]:
     sessions = arguments.sessions or SESSIONS
     axes = _axes(arguments) or 1
-    total = hard_case_count(sessions, axes)
+    is_aided = arguments.second_sources
+    total = hard_case_count(sessions, axes, is_aided=is_aided)
     contents = samples_text(sample_count(Rig(), arguments.minutes))
     progress(STAGE, 0, total)
     numbers = (arguments.seed, sessions, arguments.minutes)
-    written = write_hard_cases(arguments.out, *numbers, arguments.format, axes)
+    written = write_hard_cases(arguments.out, *numbers, arguments.format, axes, is_aided=is_aided)
     for done, path in enumerate(written, 1):
         progress(STAGE, done, total)
         yield written_words(path, contents)
+
+
+def _aid(text: str) -> SimulatedAid:
+    """Second source of an argument of `--aid`.
+
+    Raises
+    ------
+    UsageError
+        If the source or a parameter does not exist, or a value is out of range.
+    """
+    try:
+        return parse_aid(text)
+    except FileError as error:
+        raise UsageError(str(error)) from error
 
 
 def _effect(text: str) -> Effect:

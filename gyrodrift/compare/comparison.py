@@ -246,9 +246,11 @@ def compare(request: ComparisonRequest) -> Comparison:
 def _applicable(request: ComparisonRequest) -> list[Method]:
     """Methods for which all sessions have the columns; sessions to tune on need no yaw of the device."""
     columns = [_columns_of(path, request) for path in (*request.train, *request.paths)]
-    has_axes = all(has for has, _ in columns)
-    has_device_yaw = all(has for _, has in columns[len(request.train) :])
+    has_axes = all(has for has, _, _ in columns)
+    has_device_yaw = all(has for _, has, _ in columns[len(request.train) :])
+    has_aids = any(has for _, _, has in columns[len(request.train) :])
     chosen = [method for method in request.methods if has_axes or not method.needs_axes]
+    chosen = [method for method in chosen if has_aids or not method.needs_aids]
     return [method for method in chosen if has_device_yaw or not method.needs_device_yaw]
 
 
@@ -258,7 +260,9 @@ def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
     t_s = np.arange(COMPILED_SAMPLES) / COMPILED_SAMPLES
     for method in methods:
         for function in (
-            () if method.needs_axes or method.needs_device_yaw else filter(None, (method.run, method.sigma))
+            ()
+            if method.needs_axes or method.needs_device_yaw or method.needs_aids
+            else filter(None, (method.run, method.sigma))
         ):
             function(t_s, np.zeros(COMPILED_SAMPLES), method.defaults)
 
@@ -298,10 +302,11 @@ def _source(path: Path, request: ComparisonRequest) -> Source:
     return Source(path, path in request.stills, reading=request.reading)
 
 
-def _columns_of(path: Path, request: ComparisonRequest) -> tuple[bool, bool]:
-    """Whether a session has three rates and accelerations, and whether it has the device's own yaw."""
+def _columns_of(path: Path, request: ComparisonRequest) -> tuple[bool, bool, bool]:
+    """Whether a session has three rates and accelerations, the device's own yaw, and second sources."""
     session = session_as_stated(path, request.reading)
-    return session.gyro_dps is not None and session.accel_mps2 is not None, session.device_yaw_deg is not None
+    has_axes = session.gyro_dps is not None and session.accel_mps2 is not None
+    return has_axes, session.device_yaw_deg is not None, bool(session.aids)
 
 
 def _loaded(request: ComparisonRequest) -> list[LoadedSession]:
@@ -344,7 +349,8 @@ def _compared(runs: Sequence[tuple[str, Params]], work: _Work) -> ComparedSessio
     loaded = load_with_reference(work.source)
     reference = loaded.reference
     by_name = {
-        key: method.on(reference.axes, reference.auxiliary, reference.device_yaw) for key, method in by_key().items()
+        key: method.on(reference.axes, reference.auxiliary, reference.device_yaw, reference.aids)
+        for key, method in by_key().items()
     }
     yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in runs]
     return ComparedSession(

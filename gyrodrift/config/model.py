@@ -63,9 +63,9 @@ def mount_in(value: Any, report: Callable[[Key, str], None]) -> Mount:
 SAMPLE_RATE = "sample_rate_hz"
 SLEW = "slew_dps"
 
-SOURCES = "sources"
+SOURCES, AIDS = "sources", "aids"
 LINK_KEYS = ("port", "baud", "protocol", "timeout")
-"""Block of several gyros, and the keys of each that concern its link."""
+"""Block of several gyros with the key of a second source of one, and the keys of each that concern its link."""
 
 LONGEST_COLUMNS = 4096
 """Characters, as in a line of text. The service parses them between two samples."""
@@ -244,8 +244,11 @@ def config_block(path: Path, source: str) -> YamlFile:
     return block
 
 
-def columns_in(value: Any, report: Callable[[str], None]) -> str | None:
-    """Columns from the value of `columns:`, text as `--columns` takes it or a list of its entries; None if absent."""
+def columns_in(value: Any, report: Callable[[str], None], *, is_aid: bool = False) -> str | None:
+    """Columns from the value of `columns:`, text as `--columns` takes it or a list of its entries; None if absent.
+
+    `is_aid` for those of a second source.
+    """
     if value is None:
         return None
     entries = value if isinstance(value, list) else [value]
@@ -260,7 +263,7 @@ def columns_in(value: Any, report: Callable[[str], None]) -> str | None:
         report(f"are {len(spec)} characters; expected no more than {LONGEST_COLUMNS}")
         return None
     try:
-        parsed(spec)
+        parsed(spec, is_aid=is_aid)
     except ValueError as error:
         report(str(error))
         return None

@@ -14,9 +14,11 @@ from gyrodrift.facts.gravity import SessionAxes
 from gyrodrift.facts.host import HostClock
 from gyrodrift.facts.rests import RestSource, Stretch
 from gyrodrift.facts.session_facts import SessionFacts
+from gyrodrift.session.aids import RowAids
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.noise import FLICKER_FLOOR, FLICKER_WORDS, hourly_rate_text, random_walk_text
 
@@ -48,6 +50,9 @@ DRIFT_UNCERTAIN_PPM = 100.0
 DELAY_ODD_S = 0.1
 NOISY_DPS = 2.0
 """No gyro at rest scatters by this much: the encoder was off, or the table shook."""
+
+AID_UNITS = {"standing": "", "heading": "deg", "turn_rate": "deg/s", "wheels": "difference", "speed": "m/s"}
+"""Units of second sources by kind."""
 
 REST_HEADINGS = {
     RestSource.ENCODER: "at rest, by the encoder",
@@ -158,6 +163,8 @@ def _groups(facts: SessionFacts) -> Iterator[Group]:
     yield Group("samples", list(_samples(facts)))
     yield Group("host clock", list(_host(facts.host)))
     yield Group("values", [*_values(facts), *_axes(facts.axes), *_device_yaw(facts.session)])
+    if facts.session.aids:
+        yield Group("second sources", list(_second_sources(facts.session.aids)))
     yield Group(REST_HEADINGS[facts.still_by], list(_stretches(facts)))
     yield Group("noise", list(_noise(facts.allan)))
 
@@ -247,6 +254,18 @@ def _device_yaw(session: Session) -> Iterator[TableLine]:
     words = f"{known_deg.min():.6g} … {known_deg.max():.6g} deg, the device's own yaw{f' by {name}' if name else ''}"
     without = len(session.device_yaw_deg) - len(known_deg)
     yield TableLine("device yaw", words + (f"; {without} samples without" if without else ""))
+
+
+def _second_sources(aids: RowAids) -> Iterator[TableLine]:
+    """A line for each second source."""
+    by_name: dict[str, list[Aid]] = {}
+    for _, aid in aids:
+        by_name.setdefault(aid.name, []).append(aid)
+    for name, of_source in by_name.items():
+        values, unit = [aid.value for aid in of_source], AID_UNITS[of_source[0].kind]
+        span = f"{min(values):.5g} … {max(values):.5g}{f' {unit}' if unit else ''}"
+        times = f"{len(of_source)} time{'s' * (len(of_source) > 1)}"
+        yield TableLine(_printable(name), f"{of_source[0].kind.replace('_', ' ')}, {times}, {span}")
 
 
 def _stretches(facts: SessionFacts) -> Iterator[TableLine]:

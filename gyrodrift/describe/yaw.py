@@ -1,6 +1,6 @@
 """Yaw of a session: integrated raw rate, filtered yaw, and the angle of the encoder."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,9 @@ import numpy as np
 from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.evaluation.reference import accepted, auxiliary_of
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.session.aids import aids_by_row
 from gyrodrift.session.session import Session, unwrapped
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.arrays import Floats, Mask
 
 
@@ -80,7 +82,8 @@ def yaw_history_of(session: Session, run: FilterRun) -> YawHistory | None:
     columns = (t_s, rate_dps, stated.still[is_accepted], stated.temp_c[is_accepted])
     t, rate, still, temp_c = (column.tolist() for column in columns)
     samples = zip(t, rate, session.rows(np.flatnonzero(is_accepted)).inertials(), still, temp_c, strict=True)
-    corrected_deg, sigma_deg, bias_dps = _filtered(samples, run, len(t))
+    aids = aids_by_row(session.rows(np.flatnonzero(is_accepted)).aids or ())
+    corrected_deg, sigma_deg, bias_dps = _filtered(samples, run, len(t), aids)
     return YawHistory(
         filter_name=run.filter.name,
         t_s=t_s - session.t_device_s[np.isfinite(session.t_device_s)][0],
@@ -92,14 +95,18 @@ def yaw_history_of(session: Session, run: FilterRun) -> YawHistory | None:
     )
 
 
-def _filtered(samples: Iterable[tuple[Any, ...]], run: FilterRun, count: int) -> Floats:
+def _filtered(
+    samples: Iterable[tuple[Any, ...]], run: FilterRun, count: int, aids: Mapping[int, tuple[Aid, ...]]
+) -> Floats:
     """Yaw, its standard deviation and the bias, shape (3, count), by the same steps as in `serve`.
 
-    Samples are the arguments of `FilterRun.step`.
+    Samples are the arguments of `FilterRun.step`; second sources stand by the index of their sample.
     """
     filtered = np.empty((3, count))
     for index, sample in enumerate(samples):
         run.step(*sample)
+        for aid in aids.get(index, ()):
+            run.aid(aid)
         state = run.state
         filtered[:, index] = state.yaw_deg, state.yaw_sigma_deg, state.bias_dps
     return filtered

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm as normal
+from scipy.special import ndtri
 
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.features.vector import FEATURES, LINEAR, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
@@ -106,8 +106,9 @@ def _scatter_dps(recording: Recording) -> float:
     """Standard deviation of the noise of a sample, from second differences without the quarter with the most motion."""
     bends_dps = np.abs(np.diff(recording.rate_dps[np.isfinite(recording.rate_dps)], 2)) / np.sqrt(6.0)
     kept = np.sort(bends_dps)[: max(1, int(CALM * len(bends_dps)))]
-    limit = normal.ppf(0.5 + 0.5 * CALM)
-    return float(np.sqrt(np.mean(np.square(kept)) / (1.0 - 2.0 * limit * normal.pdf(limit) / CALM)))
+    limit = float(ndtri(0.5 + 0.5 * CALM))
+    density = np.exp(-0.5 * limit**2) / np.sqrt(2.0 * np.pi)
+    return float(np.sqrt(np.mean(np.square(kept)) / (1.0 - 2.0 * limit * density / CALM)))
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:

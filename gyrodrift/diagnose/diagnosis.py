@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from gyrodrift.diagnose.baseline_comparison import (
     with_corrected_reference,
     without_baseline,
 )
+from gyrodrift.diagnose.inference.baseline import against_one
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.halves import on_halves
 from gyrodrift.diagnose.inference.ranking import ranking
@@ -72,7 +74,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
         origins, recordings = with_corrected_reference(explained.response, origins, recordings)
-        simulated_today = simulated_of(request, origins, recordings)
+        simulated_today = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
         simulated = simulated_today._replace(
             tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
         )

@@ -20,6 +20,7 @@ from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables, set_simulator
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
+from gyrodrift.diagnose.simulate.responses import Compared, plausible
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.io.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -87,8 +88,17 @@ class Simulated(NamedTuple):
     unseparated: tuple[str, ...] = ()
 
 
-def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
-    """Calibrate the rig to each session, and compute the responses of all candidates in each."""
+def simulated_of(
+    request: DiagnosisRequest,
+    origins: Sequence[Origin],
+    recordings: Sequence[Recording],
+    compared: Compared | None = None,
+) -> Simulated:
+    """Calibrate the rig to each session, and compute the responses of all candidates in each.
+
+    compared
+        Function that subtracts a baseline from the differences of a table.
+    """
     subjects = []
     for done, recording in enumerate(recordings):
         request.progress(CALIBRATED, done, len(recordings))
@@ -98,16 +108,20 @@ def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recording
     tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld, has_axes=has_axes)
     untested = [item.effect for item in untestable if item.effect not in request.withheld]
     unseparated = tuple(name for name in untested if KINDS[name].acts_like is not None)
-    return Simulated(subjects, tables_of(request, origins, subjects, tried), tried, untestable, unseparated)
+    tables = tables_of(request, origins, subjects, tried, compared)
+    return Simulated(subjects, tables, plausible(tried, tables), untestable, unseparated)
 
 
 def tables_of(
-    request: DiagnosisRequest, origins: Sequence[Origin], subjects: Sequence[Subject], tried: Sequence[Candidate]
+    request: DiagnosisRequest,
+    origins: Sequence[Origin],
+    subjects: Sequence[Subject],
+    tried: Sequence[Candidate],
+    compared: Compared | None = None,
 ) -> tuple[ResponseTable, ...]:
     """Response tables of some sessions."""
-    plan = SimulationPlan(
-        tuple(origins), tuple(subjects), request.rig, hints_of(subjects), tuple(tried), request.least_noise_dps_rthz
-    )
+    hints, least_noise = hints_of(subjects), request.least_noise_dps_rthz
+    plan = SimulationPlan(tuple(origins), tuple(subjects), request.rig, hints, tuple(tried), least_noise, compared)
     return response_tables(plan, request.jobs, request.cluster, request.progress)
 
 

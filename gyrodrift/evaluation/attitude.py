@@ -1,6 +1,8 @@
-"""The attitude filter over a whole session."""
+"""The filter over a whole session: on three axes, or with second sources."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 
@@ -8,6 +10,7 @@ from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.session.aids import RowAids, aids_by_row
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Inertial
 
@@ -28,21 +31,45 @@ class AttitudeHistory:
 
 
 def attitude_history(
-    t_s: Floats, axes: InertialColumns, auxiliary: Auxiliary, params: FilterParams | None = None
+    t_s: Floats,
+    axes: InertialColumns,
+    auxiliary: Auxiliary,
 ) -> AttitudeHistory:
-    """Run the attitude filter with these parameters of restlevel, or with its defaults, over accepted samples."""
-    run = FilterRun(RESTLEVEL, RESTLEVEL.params() if params is None else params, "3")
-    filled, history = auxiliary.filled(len(t_s)), np.empty((3, len(t_s)))
-    samples = zip(
+    """Run the attitude filter with the defaults of restlevel over accepted samples."""
+    return filter_history(t_s, axes.gyro_dps[:, 2], axes, auxiliary)
+
+
+def filter_history(
+    t_s: Floats,
+    rate_dps: Floats,
+    axes: InertialColumns | None,
+    auxiliary: Auxiliary,
+    params: FilterParams | None = None,
+    aids: RowAids | None = None,
+) -> AttitudeHistory:
+    """Run restlevel on one axis or on three over accepted samples, with what second sources measured."""
+    chosen = RESTLEVEL.params() if params is None else params
+    run = FilterRun(RESTLEVEL, chosen, "1" if axes is None else "3")
+    filled, history, by_row = auxiliary.filled(len(t_s)), np.empty((3, len(t_s))), aids_by_row(aids or ())
+    columns = (
         t_s.tolist(),
-        axes.gyro_dps.tolist(),
-        axes.accel_mps2.tolist(),
+        rate_dps.tolist(),
+        _inertials(axes, len(t_s)),
         filled.still.tolist(),
         filled.temp_c.tolist(),
-        strict=True,
     )
-    for row, (t, gyro_dps, accel_mps2, still, temp_c) in enumerate(samples):
-        run.step(t, gyro_dps[2], Inertial(*gyro_dps, *accel_mps2), still, temp_c)
+    for row, sample in enumerate(zip(*columns, strict=True)):
+        run.step(sample[0], sample[1], sample[2], sample[3], sample[4])
+        for aid in by_row.get(row, ()):
+            run.aid(aid)
         state = run.state
-        history[:, row] = state.yaw_deg, state.yaw_sigma_deg, state.heading_rate_dps
+        history[:, row] = state.yaw_deg, state.yaw_sigma_deg, sample[1] if axes is None else state.heading_rate_dps
     return AttitudeHistory(*history)
+
+
+def _inertials(axes: InertialColumns | None, count: int) -> Iterable[Inertial | None]:
+    """The axes of each sample; None for one axis."""
+    if axes is None:
+        return repeat(None, count)
+    pairs = zip(axes.gyro_dps.tolist(), axes.accel_mps2.tolist(), strict=True)
+    return (Inertial(*gyro_dps, *accel_mps2) for gyro_dps, accel_mps2 in pairs)

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from itertools import chain, pairwise
 from math import ceil
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -159,9 +158,7 @@ class ClusterCost:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def for_filter(self, chosen: Filter) -> Self:

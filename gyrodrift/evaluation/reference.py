@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from gyrodrift.evaluation.attitude import attitude_history
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns, hold_last
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
-from gyrodrift.session.session import Session, unwrapped
+from gyrodrift.session.aids import RowAids
+from gyrodrift.session.session import Session, aids_of_rows, unwrapped
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
@@ -31,6 +32,8 @@ class Reference:
         Three axes; None for a session of one axis.
     device_yaw
         Yaw of the device's own filter; None for a device without one.
+    aids
+        Measurements of second sources; None without any.
     """
 
     name: str
@@ -41,6 +44,7 @@ class Reference:
     auxiliary: Auxiliary = NO_AUXILIARY
     axes: InertialColumns | None = None
     device_yaw: DeviceColumns | None = None
+    aids: RowAids | None = None
 
     def thinned(self, max_samples: int) -> NDArray[np.int64]:
         """Indices of at most `max_samples` samples with a reference, evenly spread, for a figure."""
@@ -98,7 +102,9 @@ def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Flo
     dt_s = np.diff(t_s, prepend=t_s[0])
     minutes = float(t_s[-1] - t_s[0]) / 60.0
     device_yaw = _device_yaw(session, kept, first)
-    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, minutes, auxiliary, axes, device_yaw)
+    aids = aids_of_rows(session.aids, np.flatnonzero(kept)[first:], len(kept)) if session.aids else None
+    columns = (dt_s, rate_dps, reference_deg, minutes, auxiliary, axes, device_yaw, aids)
+    return t_s, Reference(session.name, *columns)
 
 
 def auxiliary_of(session: Session) -> Auxiliary:

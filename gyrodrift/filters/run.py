@@ -135,6 +135,9 @@ class FilterRun:
         """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
         if self._aids is None:
             self._aids = Aids()
+            if self.state.samples > 0:  # it knows the time of the last sample
+                aided = (self.three_axes or self.filter).aided
+                self._aids.follow(aided, self._coefficients, self.state, self.state.t_s)
         self._aids.take(aid)
 
     @property

@@ -8,6 +8,7 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.library.filters import checked_params
+from gyrodrift.library.second_sources import SecondSources
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.mount import Axis, Mount
 from gyrodrift.values.sample import Inertial
@@ -81,7 +82,7 @@ class AttitudeEstimates(ResultTable):
         return dict(self._columns)
 
 
-class AttitudeFilter:
+class AttitudeFilter(SecondSources):
     """Heading and tilt of a device that does not stay level, from three rates and accelerations.
 
     Parameters

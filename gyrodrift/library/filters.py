@@ -12,6 +12,7 @@ from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.result_table import ResultTable
+from gyrodrift.library.second_sources import SecondSources
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Estimates(ResultTable):
         return {name: getattr(self, name) for name in Estimate._fields}
 
 
-class DriftFilter:
+class DriftFilter(SecondSources):
     """A filter with its state.
 
     Parameters

@@ -3,13 +3,15 @@
 from collections.abc import Sequence
 from math import hypot, isfinite, nan
 
+from gyrodrift.columns.aids import AidColumns
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
 from gyrodrift.columns.sizes import has_16_bits
-from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
+from gyrodrift.columns.spec import AID_MEANINGS, IGNORED, QUATERNION, SELECTED, Column
 from gyrodrift.columns.times import ClockReader, is_stamp
 from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK, INT16_COUNTS
 from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Inertial, Reading
@@ -26,6 +28,18 @@ AXES = (*RATES, "ax", "ay", "az")
 
 UNIT_NORMS = (0.9, 1.1)
 """Norms of a unit quaternion after rounding; a line with another one is damaged."""
+
+OPTIONAL = AID_MEANINGS | {"still"}
+"""Meanings whose cells may be empty: a second source is slower than the gyro, or does not know."""
+
+MISSING = frozenset(("", "null", "none", "nan", "na", "-"))
+"""Texts of an empty cell."""
+
+ROW_ENDS = (b",", b";", b"|")
+"""Marks behind which the last cell of a row may be empty."""
+
+AIDS_MAX = 32
+"""Most measurements that wait for a line with a rate."""
 
 SEQ = "seq"
 SEVERAL_LINES = -1
@@ -63,6 +77,11 @@ class TextDecoder(LineDecoder):
             for index, column in used
             if index not in self._clocks and index not in self._selects
         ]
+        self._aids = AidColumns(columns)
+        self._optional = {index for index, column in used if column.meaning in OPTIONAL}
+        sources = [index for index, column in used if column.meaning in AID_MEANINGS]
+        self._required, self._blank = self._spec.keys() - set(sources), dict.fromkeys(sources, "")
+        self._waiting: tuple[Aid, ...] = ()
         self._clock = ClockReader([self._spec[index].clock for index in self._clocks])
         self._collected: Named = {}
 
@@ -83,34 +102,53 @@ class TextDecoder(LineDecoder):
         if self._has_labels:
             count = sum(map(is_number, fields.values)) if fields.form is Form.JSON else len(fields.values)
             named = {i: value for label, i in self._labels if (value := _value(fields, label)) is not None}
+            if self._blank:  # their number does not tell a damaged line
+                count -= sum(is_number(named[i]) or fields.form is not Form.JSON for i in self._blank if i in named)
             return self._from_lines(count, named)
-        if len(fields.values) < self._columns_min:
+        values = self._padded(text, fields.values) if self._optional else fields.values
+        if len(values) < self._columns_min:
             return None
-        return self._reading(len(fields.values), {index: fields.values[index] for index in self._spec})
+        return self._reading(len(values), {index: values[index] for index in self._spec})
+
+    def _padded(self, text: bytes, values: Sequence[str]) -> Sequence[str]:
+        """Values with the empty cells at the end of a row, of which the last has no mark behind it."""
+        absent = range(len(values), self._columns_min)
+        is_ended = text.endswith(ROW_ENDS) or b"\t" in text
+        return [*values, *("" for _ in absent)] if is_ended and self._optional.issuperset(absent) else values
 
     def _from_lines(self, count: int, named: Named) -> tuple[int, Reading] | None:
         """Sample of one line or several; it begins with the line of the value to select by."""
         if not named:
             return WITHOUT_RATE
-        if len(named) == len(self._spec):
+        aids = {index: text for index, text in named.items() if index in self._blank}
+        if aids and named.keys() - aids.keys() <= set(self._clocks):
+            self._aids_alone(aids)
+            named = {index: text for index, text in named.items() if index not in aids}
+            if not named:
+                return WITHOUT_RATE
+        if named.keys() >= self._required:
             self._collected = {}
-            return self._reading(count, named)
+            return self._reading(count, self._blank | named)
         if self._selects and self._selects[0] in named:
             self._collected = {}
         elif self._selects and not self._collected:
             return WITHOUT_RATE
         self._collected |= named
-        if len(self._collected) < len(self._spec):
+        if not self._collected.keys() >= self._required:
             return WITHOUT_RATE
-        collected, self._collected = self._collected, {}
+        collected, self._collected = self._blank | self._collected, {}
         return self._reading(SEVERAL_LINES, collected)
 
     def _reading(self, count: int, texts: Named) -> tuple[int, Reading] | None:
         if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
+        if self._aids and all(_is_missing(texts[index]) for index, *_ in self._values if index not in self._optional):
+            return self._aids_alone({index: texts[index] for index in self._blank})
         numbers: dict[str, float] = {}
         for index, meaning, scale, is_short in self._values:
             text = texts[index]
+            if index in self._optional and _is_missing(text):
+                continue
             if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
             number = int(text) & COUNTER_MASK if meaning == SEQ else float(text)
@@ -122,6 +160,7 @@ class TextDecoder(LineDecoder):
         if self._clocks and t_us is None:
             return None
         rate_dps, yaw_deg, delta_deg = motion
+        aids = self._taken(numbers) if self._aids else ()
         return count, Reading(
             t_us,
             int(numbers[SEQ]) if SEQ in numbers else None,
@@ -132,7 +171,23 @@ class TextDecoder(LineDecoder):
             yaw_deg,
             _inertial(numbers),
             delta_deg=delta_deg,
+            aids=aids,
         )
+
+    def _aids_alone(self, named: Named) -> tuple[int, Reading]:
+        """Keep the measurements of a line without a rate for the next one that has one."""
+        numbers = {
+            self._spec[index].meaning: float(text) * self._spec[index].scale
+            for index, text in named.items()
+            if is_number(text)
+        }
+        self._waiting = (self._waiting + self._aids.aids_of(numbers))[-AIDS_MAX:]
+        return WITHOUT_RATE
+
+    def _taken(self, numbers: dict[str, float]) -> tuple[Aid, ...]:
+        """Measurements of second sources for a reading."""
+        waiting, self._waiting = self._waiting, ()
+        return waiting + self._aids.aids_of(numbers)
 
     def _stamp_us(self, texts: Named) -> int | None:
         """Clock of 32 bits; None without one, or if it is no time."""
@@ -144,6 +199,10 @@ class TextDecoder(LineDecoder):
         except (ValueError, OverflowError):
             return None
         return t_us & CLOCK_MASK if abs(t_us) < LONGEST_CLOCK_US else None
+
+
+def _is_missing(text: str) -> bool:
+    return text.strip().lower() in MISSING
 
 
 def _value(fields: Fields, label: str) -> str | None:

@@ -13,7 +13,7 @@ from struct import Struct
 from typing import Any
 
 from gyrodrift.outputs.net.json_input import NotJsonError, parse_json
-from gyrodrift.outputs.net.websocket import SilentWebSocketSession, WebSocketClient
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketSession
 
 MESSAGE_DATA = 1
 """Opcode of a binary message to a client."""
@@ -50,7 +50,7 @@ class FoxgloveChannel:
 Parameters = dict[str, float | str]
 
 
-class FoxgloveSession(SilentWebSocketSession):
+class FoxgloveSession(WebSocketSession):
     """Protocol state of one client.
 
     Parameters

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 from gyrodrift import __version__
 from gyrodrift.outputs.json_line import iso_time, present_fields
 from gyrodrift.outputs.net.json_input import parse_json_at
-from gyrodrift.outputs.net.lines import LineClient, LineServer, SilentSession
+from gyrodrift.outputs.net.lines import LineClient, LineServer, LineSession
 from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
@@ -90,7 +90,7 @@ class GpsdOutput(ServerOutput[GpsdOptions, "LineServer[GpsdSession]"]):
         return [client for client, session in self.server.clients.items() if session.is_watching]
 
 
-class GpsdSession(SilentSession):
+class GpsdSession(LineSession):
     """One client, and its WATCH policy."""
 
     def __init__(self, client: LineClient, output: GpsdOutput) -> None:

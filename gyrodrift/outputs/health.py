@@ -33,7 +33,7 @@ class Health:
 
 def health(status: ServiceStatus) -> list[Health]:
     """Findings about the service, worst first, or one finding that the link is ok."""
-    findings = [*_of_link(status), *_of_outputs(status)]
+    findings = [*_of_link(status), *_of_aids(status), *_of_outputs(status)]
     order = list(HealthLevel)
     return sorted(findings, key=lambda finding: -order.index(finding.level)) or [
         Health(HealthLevel.GOOD, "Link OK: no samples lost or damaged.")
@@ -57,6 +57,13 @@ def _of_link(status: ServiceStatus) -> Iterator[Health]:
         rate_differs(link, status.device),
     )
     return filter(None, findings)
+
+
+def _of_aids(status: ServiceStatus) -> Iterator[Health]:
+    for name, aid in (status.filter.aids or {}).items():
+        if aid["differs"]:
+            says = f"The second source {name} contradicts the gyro and is left out: {aid['differs']}."
+            yield Health(HealthLevel.NOTE, says)
 
 
 def _of_port(link: LinkStatus) -> Health | None:

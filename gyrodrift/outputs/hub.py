@@ -72,7 +72,7 @@ class Hub:
             if not message:
                 self._is_over.set()
                 break
-            if message[:1] in wire.RECORDS:
+            if message[:1] in wire.SAMPLE_KINDS:
                 self._samples += wire.unpack_samples(message)
                 if len(self._samples) >= wire.MOST_RECORDS:
                     self._hand_on()

@@ -1,7 +1,7 @@
 """A corrected sample as a line of JSON, for stdout and for clients."""
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from itertools import chain
 from typing import Any
@@ -16,6 +16,7 @@ from gyrodrift.outputs.fields import (
     Value,
     fields_of,
 )
+from gyrodrift.values.aid import AidStatus
 from gyrodrift.values.sample import Corrected
 
 
@@ -44,6 +45,9 @@ MEASURED = FIRST.removeprefix(",")
 ATTITUDE = "".join(map(_form, OF_THREE_AXES))
 """All fields of an `Attitude` in its order."""
 
+AGE_DECIMALS = 3
+"""Digits of an age: aids come at most some hundred times a second."""
+
 Singles = tuple[tuple[Callable[[Corrected], Value | None], str], ...]
 FURTHER, OWN_FILTER = (
     tuple((field.value, _form(field)) for field in fields_of(Use.LINE, table) if field.name not in chain(*PARTS))
@@ -58,7 +62,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     `opening` is the beginning of the object, for a field that all lines have.
     """
     (
-        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _, _, device_yaw),
+        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _, _, device_yaw, _),
         corrected_dps,
         yaw_deg,
         bias_dps,
@@ -74,6 +78,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         correction_deg,
         corrections,
         smooth_yaw_deg,
+        aids,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps, correction_deg, corrections)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false only for NaN; the fastest test
@@ -93,7 +98,14 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         line += ATTITUDE % attitude if total == total else _attitude_part(corrected)  # noqa: PLR0124
     if device_yaw is not None:
         line += _singly(corrected, OWN_FILTER)
+    if aids:
+        line += f',"aids":{json.dumps(aid_ages(aids), separators=(",", ":"))}'
     return line + (_singly(corrected, FURTHER) if FURTHER else "") + "}\n"
+
+
+def aid_ages(aids: Mapping[str, AidStatus]) -> dict[str, float]:
+    """Time since the last measurement of each second source, s."""
+    return {name: round(status.age_s, AGE_DECIMALS) for name, status in aids.items()}
 
 
 def _singly(corrected: Corrected, forms: Singles) -> str:

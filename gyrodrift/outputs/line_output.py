@@ -13,7 +13,7 @@ from gyrodrift import __version__
 from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.json_line import chosen_line, json_line
 from gyrodrift.outputs.net.json_input import parse_json
-from gyrodrift.outputs.net.lines import LineClient, LineServer, SilentSession
+from gyrodrift.outputs.net.lines import LineClient, LineServer, LineSession
 from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
@@ -132,7 +132,7 @@ def event_line(event: str, fields: Any) -> bytes:
     return _line({"class": "EVENT", "event": event, **fields})
 
 
-class JsonSession(SilentSession):
+class JsonSession(LineSession):
     """One client: all samples with all fields, until it sends a WATCH with a rate and fields."""
 
     def __init__(self, client: LineClient, source: str = "") -> None:

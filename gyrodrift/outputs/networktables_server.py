@@ -18,7 +18,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import shown_name
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.servers import BoundedEvent
-from gyrodrift.outputs.net.websocket import SilentWebSocketSession, WebSocketClient, WebSocketServer
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.status import ClientStatus
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Subscription:
         return topic.startswith(self.names) if self.is_prefix else topic in self.names
 
 
-class TableSession(SilentWebSocketSession):
+class TableSession(WebSocketSession):
     """Protocol state of one client.
 
     Parameters

@@ -14,7 +14,7 @@ from annotated_types import MaxLen
 
 from gyrodrift.outputs.line_output import runtime_folder
 from gyrodrift.outputs.net.addresses import DatagramSender
-from gyrodrift.outputs.net.lines import LineServer, SilentSession
+from gyrodrift.outputs.net.lines import LineServer, LineSession
 from gyrodrift.outputs.net.pty import PtyWriter
 from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
@@ -87,7 +87,7 @@ class NmeaOutput(ServerOutput[NmeaOptions, "LineServer[NmeaSession]"]):
         self._pty.close()
 
 
-class NmeaSession(SilentSession):
+class NmeaSession(LineSession):
     """One client; its lines, such as broadcasts of a chart plotter, are ignored."""
 
     def dropped(self, messages: int) -> bytes:

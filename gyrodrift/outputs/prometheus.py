@@ -97,6 +97,7 @@ class _StatusCollector:
         for name, about, value in gauges(status):
             if value is not None:
                 yield _gauge(name, about, value)
+        yield from _of_aids(status)
         yield from _of_outputs(status)
         yield _identity(status)
 
@@ -139,6 +140,18 @@ def metric_name(field: Field) -> str:
     """Name of the gauge of a field, with its unit in full."""
     words = field.name.split("_")[: -1 if field.unit else None]
     return "_".join([*(WORDS.get(word, word) for word in words), UNITS[field.unit]])
+
+
+def _of_aids(status: ServiceStatus) -> "Iterator[Metric]":
+    if not status.filter.aids:
+        return
+    age = _gauge("aid_age_seconds", "Time since the last measurement of a second source.", labels=("name",))
+    weight = _gauge("aid_weight_ratio", "Share of its last measurements that agree; 0 if left out.", labels=("name",))
+    for name, aid in status.filter.aids.items():
+        for metric, value in ((age, aid["age_s"]), (weight, aid["weight"])):
+            if value is not None:
+                metric.add_metric([well_formed(name)], value)
+    yield from (age, weight)
 
 
 def _of_outputs(status: ServiceStatus) -> "Iterator[Metric]":

@@ -14,7 +14,7 @@ from annotated_types import Gt, Le, MaxLen, MinLen
 
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.servers import ServerOutput
-from gyrodrift.outputs.net.websocket import SilentWebSocketSession, WebSocketClient, WebSocketServer
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.ros_messages import IMU_TYPES, ImuMessage, RosVersion, stamp
@@ -113,7 +113,7 @@ def same_type(first: object, second: str) -> bool:
     return isinstance(first, str) and first.replace("/msg/", "/") == second.replace("/msg/", "/")
 
 
-class RosbridgeSession(SilentWebSocketSession):
+class RosbridgeSession(WebSocketSession):
     """Protocol state of one client."""
 
     def __init__(self, client: WebSocketClient, services: RosServices) -> None:

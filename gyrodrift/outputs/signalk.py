@@ -12,7 +12,7 @@ from math import isnan, pi, radians, remainder
 from typing import Annotated, Any
 
 from gyrodrift.outputs.json_line import iso_time
-from gyrodrift.outputs.net.lines import LineServer, SilentSession
+from gyrodrift.outputs.net.lines import LineServer, LineSession
 from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
@@ -32,7 +32,7 @@ class SignalkOptions:
     rate_hz: Annotated[Rate, About("at most this many deltas a second of device time")] = 10.0
 
 
-class SignalkOutput(ServerOutput[SignalkOptions, LineServer[SilentSession]]):
+class SignalkOutput(ServerOutput[SignalkOptions, LineServer[LineSession]]):
     """Sends a delta per sample to each client. A server takes only deltas, so losses are told in `status` alone."""
 
     options_type = SignalkOptions
@@ -40,7 +40,7 @@ class SignalkOutput(ServerOutput[SignalkOptions, LineServer[SilentSession]]):
     def __init__(self, options: SignalkOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self.server = LineServer(lambda _: SilentSession(), host.log)
+        self.server = LineServer(lambda _: LineSession(), host.log)
 
     async def open(self) -> None:
         """Begin to listen."""

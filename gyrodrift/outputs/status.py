@@ -3,7 +3,9 @@
 from dataclasses import dataclass, field, make_dataclass
 from typing import Any, Self
 
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.outputs.fields import Use, fields_of
+from gyrodrift.values.aid import AidStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,8 @@ class FilterStatus(_FieldStatus):  # type: ignore[misc]  # the attributes of its
         Last statement of a witness of rest, 1 for rest and 0 for motion, and whether it is believed.
     temp_curve
         Bias against temperature: `points`, `slope_dps_c`, `slope_sigma_dps_c`.
+    aids
+        Second sources by name: `age_s`, `weight` and `differs`; None without any.
     """
 
     name: str = ""
@@ -100,6 +104,7 @@ class FilterStatus(_FieldStatus):  # type: ignore[misc]  # the attributes of its
     still: float | None = None
     is_witness_believed: bool | None = None
     temp_curve: dict[str, float] | None = None
+    aids: dict[str, dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +222,20 @@ class ServiceStatus:
             "outputs": tuple(output_status(output) for output in values["outputs"]),
         }
         return cls(**(values | records))
+
+
+def aid_status(status: AidStatus) -> dict[str, Any]:
+    """Status of a second source as plain values; None for what is unknown."""
+    values = {"age_s": status.age_s, "weight": status.weight}
+    return {**{name: finite(round(value, 3)) for name, value in values.items()}, "differs": status.differs or None}
+
+
+def aid_text(aid: dict[str, Any]) -> str:
+    """Age and weight of a second source, for people."""
+    if aid["differs"]:
+        return "left out"
+    age = "no measurement" if aid["age_s"] is None else f"{aid['age_s']:.1f} s ago"
+    return age if aid["weight"] is None else f"{age}, {aid['weight']:.0%} agree"
 
 
 def output_status(values: dict[str, Any]) -> OutputStatus:

@@ -11,6 +11,7 @@ from math import nan
 from struct import Struct
 from typing import Any
 
+from gyrodrift.values.aid import AidStatus
 from gyrodrift.values.sample import NO_AXES, NO_YAW, Attitude, Corrected, Sample
 
 SAMPLES = b"S"
@@ -18,6 +19,7 @@ EXTENDED = b"X"
 EVENT = b"E"
 STATUS = b"T"
 OUTPUTS = b"O"
+AIDED = b"I"
 DROPPED = b"D"
 ACCESS = b"A"
 
@@ -27,7 +29,8 @@ OWN = Sample._fields.index("inertial")
 RESULTS = Corrected._fields.index("attitude")
 """Index of the attitude: results before it, and behind the difference that follows it, go into every record."""
 
-PLAIN = OWN + len(Corrected._fields) - len(("sample", "attitude", "device_difference_deg"))
+AIDS = Corrected._fields.index("aids")
+PLAIN = OWN + len(Corrected._fields) - len(("sample", "attitude", "device_difference_deg", "aids"))
 RECORD = Struct(f"<q{PLAIN - 1}d")
 """Values of a sample before its axes, then results of the filter."""
 
@@ -38,11 +41,18 @@ EXTENDED_RECORD = Struct(f"{RECORD.format}{sum(map(len, PARTS)) + 1}d{len(PARTS)
 """A record, the axes of the sensor, the attitude, the result of the device's own filter and the difference from it. At
 the end: whether the sample has axes, an attitude, a result."""
 
+AIDS_LENGTH = Struct("<I")
+"""Behind AIDED: bytes of a list as JSON, with the ages of the second sources of each sample. Then follows a message of
+samples."""
+
 RECORDS = {SAMPLES: RECORD, EXTENDED: EXTENDED_RECORD}
 """Layout of a sample by the kind of its message."""
 
-MOST_RECORDS = 256
-"""Most samples in a datagram."""
+SAMPLE_KINDS = frozenset((*RECORDS, AIDED))
+"""Kinds of messages with samples."""
+
+MOST_RECORDS, MOST_AIDED = 256, 64
+"""Most samples in a datagram, and most with second sources, whose ages are text."""
 
 LONGEST_BYTES = 128 << 10
 """Longest datagram; the default of the kernel is 208 KiB."""
@@ -52,6 +62,8 @@ _pack = RECORD.pack
 
 def pack_samples(samples: Sequence[Corrected]) -> bytes:
     """Pack at most MOST_RECORDS samples; with the longer records if one of them has more than one axis measures."""
+    if any(corrected[AIDS] is not None for corrected in samples):
+        return _with_aids(samples)
     records = []
     for corrected in samples:
         sample = corrected[0]
@@ -62,20 +74,42 @@ def pack_samples(samples: Sequence[Corrected]) -> bytes:
             or corrected[12] == corrected[12]
         ):
             return EXTENDED + b"".join(map(_extended, samples))
-        records.append(_pack(*sample[:OWN], *corrected[1:RESULTS], *corrected[RESULTS + 2 :]))
+        records.append(_pack(*sample[:OWN], *corrected[1:RESULTS], *corrected[RESULTS + 2 : AIDS]))
     return SAMPLES + b"".join(records)
 
 
 def unpack_samples(message: bytes) -> list[Corrected]:
     """Unpack the samples of `pack_samples`."""
+    if message[:1] == AIDED:
+        texts, records_of = _aided_parts(message)
+        return [
+            corrected._replace(aids={name: AidStatus(age_s, nan) for name, age_s in ages.items()} or None)
+            for corrected, ages in zip(unpack_samples(records_of), json.loads(texts), strict=True)
+        ]
     records = RECORDS[message[:1]].iter_unpack(memoryview(message)[1:])
     return [_corrected(record) if len(record) == PLAIN else _of_extended(record) for record in records]
 
 
 def count_samples(message: bytes) -> int:
     """Samples in a message; 0 for a message of another kind."""
+    message = _aided_parts(message)[1] if message[:1] == AIDED else message
     record = RECORDS.get(message[:1])
     return 0 if record is None else (len(message) - 1) // record.size
+
+
+def _with_aids(samples: Sequence[Corrected]) -> bytes:
+    """Message of samples with the ages of their second sources."""
+    ages = [{name: status.age_s for name, status in (corrected.aids or {}).items()} for corrected in samples]
+    text = json.dumps(ages, separators=(",", ":")).encode()
+    without_aids = [corrected._replace(aids=None) for corrected in samples]
+    return AIDED + AIDS_LENGTH.pack(len(text)) + text + pack_samples(without_aids)
+
+
+def _aided_parts(message: bytes) -> tuple[bytes, bytes]:
+    """Second sources as JSON, and the message of their samples."""
+    start = 1 + AIDS_LENGTH.size
+    end = start + AIDS_LENGTH.unpack_from(message, 1)[0]
+    return message[start:end], message[end:]
 
 
 def _extended(corrected: Corrected) -> bytes:
@@ -83,7 +117,7 @@ def _extended(corrected: Corrected) -> bytes:
     return EXTENDED_RECORD.pack(
         *sample[:OWN],
         *corrected[1:RESULTS],
-        *corrected[RESULTS + 2 :],
+        *corrected[RESULTS + 2 : AIDS],
         *(sample.inertial or NO_AXES),
         *(attitude or NO_ATTITUDE),
         *(sample.device_yaw or NO_YAW),
@@ -97,9 +131,9 @@ def _extended(corrected: Corrected) -> bytes:
 def _corrected(record: tuple[Any, ...], *parts: Any, difference_deg: float = nan) -> Corrected:
     """Sample of the plain values of a record, and its parts: axes, attitude and result of the device."""
     inertial, attitude, device_yaw = parts or (None, None, None)
-    sample = Sample._make((*record[:OWN], inertial, device_yaw))
+    sample = Sample._make((*record[:OWN], inertial, device_yaw, ()))
     results = OWN + RESULTS - 1
-    return Corrected._make((sample, *record[OWN:results], attitude, difference_deg, *record[results:PLAIN]))
+    return Corrected._make((sample, *record[OWN:results], attitude, difference_deg, *record[results:PLAIN], None))
 
 
 def _of_extended(record: tuple[Any, ...]) -> Corrected:
@@ -122,8 +156,9 @@ def unpack_json(message: bytes) -> Any:
 
 def batches(samples: Sequence[Corrected]) -> Iterator[Sequence[Corrected]]:
     """Samples in batches that fit into a datagram."""
-    if len(samples) <= MOST_RECORDS:
+    most = MOST_RECORDS if not samples or samples[-1].aids is None else MOST_AIDED
+    if len(samples) <= most:
         yield samples
         return
-    for start in range(0, len(samples), MOST_RECORDS):
-        yield samples[start : start + MOST_RECORDS]
+    for start in range(0, len(samples), most):
+        yield samples[start : start + most]

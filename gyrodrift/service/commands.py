@@ -4,21 +4,22 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from ipaddress import ip_address
-from math import nan
+from math import isfinite, nan
 from typing import Any
 from urllib.parse import urlsplit
 
 from gyrodrift.outputs.output import ControlAccess
-from gyrodrift.outputs.status import OutputStatus
+from gyrodrift.outputs.status import OutputStatus, aid_status
 from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
 from gyrodrift.service.guided import GuidedCalibration
-from gyrodrift.service.loop import RestWord
+from gyrodrift.service.loop import Statements
 from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.source_lines import SourceLines
 from gyrodrift.service.stdout import JsonLines
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.errors import CalibrationError, ConfigError, UsageError
 
 WEB = "web"
@@ -26,9 +27,16 @@ FASTEST_HZ = 1e6
 OPENING_S = 3.0
 """Longest wait of `page` for a page that is being opened, s."""
 
+SAMPLE_S = 1.0
+"""Longest wait of `heading --sigma` and `turn-rate` for the next sample, s."""
+
+CTL = "ctl"
+"""Name of the second source that a person is."""
+
 WRITING_S = 3.0
 """Longest wait of `record stop` for the disk, s; a slower disk goes on writing behind the answer."""
 
+SIGMA = "--sigma"
 NO_REST_WORD = "auto"
 """Argument of `rest` that ends `rest 0` and `rest 1`: the device's own statements count again."""
 
@@ -47,7 +55,7 @@ class ServiceCommands:
     stdout: JsonLines | SourceLines | None
     reporting: Reporting
     stop: StopSignal
-    word: RestWord
+    statements: Statements
     recording: RecordingSwitch
     calibration: GuidedCalibration
     access: ControlAccess
@@ -56,7 +64,8 @@ class ServiceCommands:
         """Commands by name."""
         commands = (
             ControlCommand("zero", self._zero),
-            ControlCommand("heading DEG", self._heading),
+            ControlCommand("heading DEG [--sigma DEG]", self._heading),
+            ControlCommand("turn-rate DPS --sigma DPS", self._turn_rate),
             ControlCommand("rest 0|1|auto", self._rest),
             ControlCommand("rate HZ", self._rate),
             ControlCommand("record start|stop", self._record),
@@ -74,11 +83,42 @@ class ServiceCommands:
         self.reporting.feed.hear("yaw_zeroed", {})
         return {"yaw_deg": self.follower.pipeline.yaw_deg}
 
-    def _heading(self, words: list[str]) -> Mapping[str, Any]:
-        heading_deg = number(words, "heading DEG, clockwise from north") % 360.0
-        self.follower.pipeline.set_heading(heading_deg)
-        self.reporting.feed.hear("heading_set", {"heading_deg": heading_deg})
-        return {"heading_deg": heading_deg}
+    def _heading(self, words: list[str]) -> Mapping[str, Any] | Later:
+        words, sigma_deg = _sigma_of(words)
+        heading_deg = number(words, "heading DEG, clockwise from north, and maybe --sigma DEG") % 360.0
+        pipeline = self.follower.pipeline
+        if sigma_deg is None or not pipeline.reference.has_north:
+            pipeline.set_heading(heading_deg)
+            self.reporting.feed.hear("heading_set", {"heading_deg": heading_deg})
+        if sigma_deg is None:
+            return {"heading_deg": heading_deg}
+        return self._aid(Aid(CTL, "heading", -heading_deg, sigma=sigma_deg), {"heading_deg": heading_deg})
+
+    def _turn_rate(self, words: list[str]) -> Mapping[str, Any] | Later:
+        words, sigma_dps = _sigma_of(words)
+        rate_dps = number(words, usage := "turn-rate DPS --sigma DPS, counter-clockwise positive")
+        if sigma_dps is None:
+            raise CommandError(f"expected {usage}")
+        aid = Aid(f"{CTL}_turn_rate", "turn_rate", rate_dps, sigma=sigma_dps)
+        return self._aid(aid, {"turn_rate_dps": rate_dps})
+
+    def _aid(self, aid: Aid, fields: dict[str, Any]) -> Later:
+        """Hand a measurement to the filter with the next sample; the answer says how it agrees."""
+        run = self.follower.pipeline.run
+        if not isfinite(run.state.yaw_sigma_deg) and run.state.samples > 0:
+            raise CommandError(f"the filter {run.filter.name} gives no uncertainty to weigh it against")
+        self.statements.take(aid)
+        until_s = time.monotonic() + SAMPLE_S
+
+        def answer() -> Mapping[str, Any] | None:
+            if any(waiting is aid for _, waiting in self.statements.waiting):
+                if time.monotonic() < until_s:
+                    return None
+                return {**fields, "aid": None, "note": "no sample has come yet; it waits for the next one"}
+            status = self.follower.pipeline.run.aids.get(aid.name)
+            return {**fields, "aid": None if status is None else aid_status(status)}
+
+        return answer
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
         if words not in (["0"], ["1"], [NO_REST_WORD]):
@@ -87,8 +127,8 @@ class ServiceCommands:
         if witness is None:
             raise CommandError(f"the filter {self.follower.pipeline.filter.name} takes no witness of rest")
         still = None if words == [NO_REST_WORD] else float(words[0])
-        is_new = self.word.still != still
-        self.word.still = nan if still is None else still
+        is_new = self.statements.still != still
+        self.statements.still = nan if still is None else still
         return {"still": still, "is_believed": witness.is_believed or is_new}
 
     def _rate(self, words: list[str]) -> Mapping[str, Any]:
@@ -177,6 +217,17 @@ class ServiceCommands:
         _check_empty(words, "stop")
         self.stop.is_set = True
         return {}
+
+
+def _sigma_of(words: list[str]) -> tuple[list[str], float | None]:
+    """Words without `--sigma NUMBER`, and the number; None without it."""
+    if SIGMA not in words:
+        return words, None
+    index = words.index(SIGMA)
+    sigma = number(words[index + 1 : index + 2], f"a number behind {SIGMA}")
+    if sigma <= 0.0:
+        raise CommandError(f"expected a number above 0 behind {SIGMA}")
+    return words[:index] + words[index + 2 :], sigma
 
 
 def _refused(answer: Later) -> Later:

@@ -3,7 +3,6 @@
 import json
 import socket
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from gyrodrift.values.errors import UsageError
@@ -33,9 +32,7 @@ class ControlClient:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.sample import Inertial, Sample
 
 PART_SAMPLES = 50_000
@@ -35,6 +36,8 @@ class HistoryPart:
         Device time, rate, rest by a sensor and temperature of each sample: s, deg/s, 1 or 0 or NaN, °C.
     inertials
         Three rates and three accelerations of each sample; empty if no sample has them.
+    aids
+        Measurements of second sources by the index of their sample.
     following
         The part after this one; None for the newest.
     """
@@ -43,6 +46,7 @@ class HistoryPart:
     has_axes: bool
     times: "array[float]" = field(default_factory=lambda: array("d"))
     inertials: "array[float]" = field(default_factory=lambda: array("d"))
+    aids: dict[int, tuple[Aid, ...]] = field(default_factory=dict)
     following: "HistoryPart | None" = None
 
     def __len__(self) -> int:
@@ -50,6 +54,8 @@ class HistoryPart:
 
     def keep(self, sample: Sample) -> None:
         """Append a sample."""
+        if sample.aids:
+            self.aids[len(self)] = sample.aids
         self.times.extend((sample.t_device_s, sample.rate_dps, sample.still, sample.temp_c))
         if self.has_axes:
             self.inertials.extend(sample.inertial or NO_AXES)
@@ -59,6 +65,8 @@ class HistoryPart:
         t_s, rate_dps, still, temp_c = self.times[4 * index : 4 * index + 4]
         inertial = Inertial(*self.inertials[6 * index : 6 * index + 6]) if self.has_axes else None
         run.step(t_s, rate_dps, inertial if inertial and isfinite(inertial.gyro_x_dps) else None, still, temp_c)
+        for aid in self.aids.get(index, ()):
+            run.aid(aid)
 
 
 class History:

@@ -18,6 +18,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.service.listener import JudgedListener, ReaderGoneError, SampleListener, Sink
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.stream_watch import StreamWatch
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.sample import Sample
 from gyrodrift.values.secret import without_secrets
@@ -32,20 +33,55 @@ SILENCE_S = 5.0
 
 FAST_PERIOD_S = 0.0005
 
+AIDS_MAX = 1000
+"""Most measurements of second sources that wait for a sample. Chosen: those of some seconds, while a gyro is gone."""
+
+AID_WAIT_S = 0.25
+"""Longest wait of a measurement for a sample of its own time, s. Chosen: above the pauses of a link, and a device turns
+little in it."""
+
 BUSY_LINE = 0.85
 """Share of the capacity of a serial line above which samples start to be lost."""
 
 
 @dataclass(slots=True)
-class RestWord:
-    """Rest as stated by `ctl rest`, which replaces the statement of the device: 1 rest, 0 motion, NaN no statement."""
+class Statements:
+    """Statements of `ctl` and other sources about the device; they join the samples before a recording and the filter.
+
+    still
+        Rest by `ctl rest`, which replaces the statement of the device: 1 rest, 0 motion, NaN no statement.
+    waiting
+        Measurements of second sources for the next sample, with their arrival on the monotonic clock, s.
+    """
 
     still: float = nan
+    waiting: list[tuple[float, Aid]] = field(default_factory=list)
 
-    def with_rest(self, samples: list[Sample]) -> list[Sample]:
-        """Samples with the stated rest."""
+    def take(self, aid: Aid) -> None:
+        """Let a measurement wait for the next sample, unless too many wait; its time, if any, counts from now."""
+        if len(self.waiting) < AIDS_MAX:
+            self.waiting.append((time.monotonic(), aid))
+
+    def joined(self, samples: list[Sample]) -> list[Sample]:
+        """Samples with the stated rest, the first one with the measurements that waited."""
         still = self.still
-        return samples if isnan(still) else [sample._replace(still=still) for sample in samples]
+        if not isnan(still):
+            samples = [sample._replace(still=still) for sample in samples]
+        if self.waiting and samples:
+            first, *rest = samples
+            now_s = time.monotonic()
+            aids = tuple(_placed(aid, now_s - arrival_s, first.t_device_s) for arrival_s, aid in self.waiting)
+            self.waiting.clear()
+            samples = [first._replace(aids=first.aids + aids), *rest]
+        return samples
+
+
+def _placed(aid: Aid, waited_s: float, t_s: float) -> Aid:
+    """A measurement on the clock of the sample that it waited for, which was measured at `t_s`."""
+    earlier_s = waited_s if waited_s > AID_WAIT_S else 0.0
+    if isnan(aid.t_s) and not earlier_s:
+        return aid
+    return aid._replace(t_s=t_s - earlier_s + (0.0 if isnan(aid.t_s) else aid.t_s))
 
 
 @dataclass(slots=True)
@@ -92,8 +128,8 @@ class Service:
         Sinks of the listeners that may wait for readers: the loop wakes when one can continue.
     control
         Control socket.
-    word
-        Rest as stated by `ctl rest`, for all listeners.
+    statements
+        What `ctl` and other sources say, for all listeners.
     notify
         Notified when the service is ready, and with each turn of the loop.
     read_interval_s
@@ -113,7 +149,7 @@ class Service:
     sinks: Sequence[Sink] = ()
     control: "Control | None" = None
     notify: "SystemdNotify | None" = None
-    word: RestWord | None = None
+    statements: Statements | None = None
     read_interval_s: float = 0.0
     end_event: str = "service_end"
     is_watched: bool = False
@@ -192,9 +228,9 @@ class Service:
         if self.control is not None:
             self.control.serve(ready)
         samples = [] if self._is_held else self.link.read()
+        if self.statements is not None:
+            samples = self.statements.joined(samples)
         judged = self._watch.take(samples)
-        if self.word is not None:
-            samples, judged = self.word.with_rest(samples), self.word.with_rest(judged)
         if samples or judged or self._is_waited_for:
             for listener in self.listeners:
                 listener.take(judged if isinstance(listener, JudgedListener) else samples)

@@ -19,7 +19,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link
 from gyrodrift.service.calibrating import Calibrating, bias_of
-from gyrodrift.service.history import STEPS_AT_ONCE, History, SecondRun
+from gyrodrift.service.history import STEPS_AT_ONCE, History, HistoryPart, SecondRun
 from gyrodrift.service.listener import JudgedListener, ReaderGoneError, Sink
 from gyrodrift.service.reference import DeviceReference, EncoderReference, SmoothYaw, YawReference
 from gyrodrift.values.calibration import Calibration
@@ -35,6 +35,8 @@ REJECTED_S = CORRECTED_S = 1.0
 REPLUG_S = 1.0
 """Shortest loss of a link without a device clock in which the device may have been switched off, s. Chosen: a person
 needs more to replug it; a device clock shows a restart itself."""
+
+AID_HINT = "it is left out until it agrees again; check its sign, unit, delay and name"
 
 SIDEWAYS_DEG = 60.0
 """Tilt from which on another axis of the sensor points up: it is nearer to the vertical from 45° to 54.7° on, with a
@@ -100,6 +102,8 @@ class Pipeline(JudgedListener):
     _corrected_s: float = -inf
     _device_id: str = ""
     _is_one_axis_told: bool = False
+    _has_aids: bool = False
+    _differing: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         config = self.config
@@ -124,15 +128,7 @@ class Pipeline(JudgedListener):
         for sample in calibrated:
             part = None if self.history is None else self.history.expect(self.run, sample)
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
-                if (last := self.last) is not None:
-                    step_s = sample.t_device_s - last.t_device_s
-                    self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
-                    self._follow_corrections(step_s)
-                if part is not None:
-                    part.keep(sample)
-                self.last = sample
-                corrected.append(self._corrected(sample))
-                self._step_deg = 0.0
+                corrected.append(self._accepted(sample, part))
         if calibrated:
             self._tell_axes(calibrated, had_axes=had_axes)
         for sink in tuple(self.sinks):
@@ -158,6 +154,7 @@ class Pipeline(JudgedListener):
             hint = "it reported rest during a turn; it is ignored until it reports motion"
             self.warn("witness_refuted", count=witness.refuted, hint=hint)
         self._tell_corrections(now_s)
+        self._tell_aids()
 
     def stats(self) -> dict[str, Any]:
         """Counters and values for the log."""
@@ -258,6 +255,21 @@ class Pipeline(JudgedListener):
         self.log.warning(event, **fields)
         self.tell(event, fields)
 
+    def _accepted(self, sample: Sample, part: HistoryPart | None) -> Corrected:
+        """Result of an accepted sample, whose second sources the filter hears first."""
+        for aid in sample.aids:
+            self.run.aid(aid)
+            self._has_aids = True
+        if (last := self.last) is not None:
+            step_s = sample.t_device_s - last.t_device_s
+            self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
+            self._follow_corrections(step_s)
+        if part is not None:
+            part.keep(sample)
+        self.last, corrected = sample, self._corrected(sample)
+        self._step_deg = 0.0
+        return corrected
+
     def _corrected(self, sample: Sample) -> Corrected:
         run, state, reference = self.run, self.run.state, self.reference
         bias_dps, yaw_deg = state.bias_dps, state.yaw_deg
@@ -280,6 +292,7 @@ class Pipeline(JudgedListener):
             self._correction_deg,
             run.corrections,
             nan if self._slew_dps is None else zeroed_deg - self.smooth.behind_deg,
+            run.aids if self._has_aids else None,
         )
 
     @property
@@ -344,6 +357,13 @@ class Pipeline(JudgedListener):
             hint = "the device may have restarted: yaw drifts until it has been at rest for some seconds"
             self.warn("bias_reopened", count=self.run.restarts, hint=hint)
         self._restarts = self.run.restarts
+
+    def _tell_aids(self) -> None:
+        """Warn once of each second source that begins to contradict the filter."""
+        differing = {name: status.differs for name, status in self.run.aids.items() if status.differs}
+        for name in differing.keys() - self._differing.keys():
+            self.warn("aid_differs", name=name, reason=differing[name], hint=AID_HINT)
+        self._differing = differing
 
     def _set_coefficients(self) -> None:
         """Work out the coefficients, with the scale error that the calibration in force leaves."""

@@ -10,7 +10,7 @@ from gyrodrift.io.json_numbers import finite
 from gyrodrift.link.link import Link
 from gyrodrift.outputs.fields import Use, fields_of
 from gyrodrift.outputs.net.addresses import well_formed
-from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus, aid_status
 from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
@@ -134,6 +134,7 @@ def _filter_status(pipeline: Pipeline) -> FilterStatus:
         still=finite(now.sample.still),
         is_witness_believed=None if witness is None else witness.is_believed,
         temp_curve=getattr(state, "temp_curve", None),
+        aids={name: aid_status(status) for name, status in pipeline.run.aids.items()} or None,
     )
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN
+from gyrodrift.service.aid_service import AidService
 from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.service.loop import TICK_S, Service, Waiting, freeze_collector
 from gyrodrift.service.signals import StopSignal
@@ -31,7 +32,7 @@ class SeveralServices:
 
     def __init__(
         self,
-        services: Sequence[Service],
+        services: Sequence[Service | AidService],
         log: FilteringBoundLogger,
         stop: StopSignal,
         notify: "SystemdNotify | None" = None,
@@ -89,7 +90,7 @@ class SeveralServices:
 class _Running:
     """A service with its open listeners."""
 
-    def __init__(self, service: Service) -> None:
+    def __init__(self, service: Service | AidService) -> None:
         self.service = service
         self.is_over = False
         self._closing = ExitStack()

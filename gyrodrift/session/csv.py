@@ -11,6 +11,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrodrift.session.aids import COLUMN, RowAid, RowAids, aids_by_row, aids_in, aids_text
 from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
@@ -55,7 +56,27 @@ def read_exact(path: Path) -> Session | None:
     columns: dict[str, NDArray[Any]] = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
     if "seq" in columns:
         columns["seq"] = counter(columns["seq"])
-    return session_of_columns(path.stem, columns)
+    return session_of_columns(path.stem, columns, aids=_aids(path) if COLUMN in names else None)
+
+
+def _aids(path: Path) -> RowAids:
+    """Measurements of second sources in their column.
+
+    Raises
+    ------
+    DataError
+        A cell has another form.
+    """
+    aids: list[RowAid] = []
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        content = (line for line in file if _is_content(line))
+        index = [word.strip() for word in next(content).split(",")].index(COLUMN)
+        for row, line in enumerate(content):
+            try:
+                aids += ((row, aid) for aid in aids_in(line.split(",")[index]))
+            except ValueError as error:
+                raise DataError(f"{path}: sample {row + 1}: {COLUMN} {error}") from error
+    return tuple(aids)
 
 
 def _names(file: TextIO) -> list[str]:
@@ -119,8 +140,11 @@ def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
         if not columns:
             columns = [name for name in COLUMNS if chunk.column(name) is not None]
             texts = {name: _Texts() for name in columns}
-            yield ",".join(columns) + "\n"
+            yield ",".join([*columns, *([] if chunk.aids is None else [COLUMN])]) + "\n"
         cells = [_cells(name, chunk.filled(name), texts[name], fractions) for name in columns]
+        if chunk.aids is not None:
+            by_row = aids_by_row(chunk.aids)
+            cells.append([aids_text(by_row.get(row, ())) for row in range(len(chunk.rate_dps))])
         yield "\n".join(map(",".join, zip(*cells, strict=True))) + "\n"
 
 

@@ -14,8 +14,9 @@ from gyrodrift.session.foreign.channels import UNDERSTOOD, Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
 from gyrodrift.session.foreign.records import ForeignRecord, framed, message, opened
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
-from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of, still_of
+from gyrodrift.session.mcap.layout import AIDS, HEAD, MAGIC, SAMPLES, STILLS
+from gyrodrift.session.mcap.walk import BrokenRecordError, aid_in, channel_of, metadata_of, schema_of, still_of
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
@@ -28,7 +29,7 @@ UNREAD_MAX, FIELDS_MAX = 8, 16
 RECORDS_MAX, PUSH_BYTES = 1024, 1 << 20
 """Largest number of records of a push, about 8 ms, and largest size of chunks that are opened in it, about 2 ms."""
 
-STILLS_MAX = 64
+STILLS_MAX = AIDS_MAX = 1 << 18
 """Largest number of rest flags for later samples; a recorder writes a flag right before its sample."""
 
 
@@ -62,6 +63,7 @@ class SampleStream:
         self._topic: str | None = None
         self._decoders: dict[int, Decode | None] = {}
         self._stills: deque[tuple[int, float]] = deque(maxlen=STILLS_MAX)
+        self._aids: deque[tuple[int, Aid]] = deque(maxlen=AIDS_MAX)
         self._still = math.nan
         self._count = 0
         self._unread: dict[str, str] = {}
@@ -157,8 +159,8 @@ class SampleStream:
         channel = self._channels.get(channel_id)
         if channel is None:
             raise BrokenRecordError(f"it has messages of channel {channel_id}, which is not declared")
-        if channel.topic == STILLS.name:
-            self._take_still(payload)
+        if channel.topic in (STILLS.name, AIDS.name):
+            self._take_flag(channel.topic, payload)
             return []
         decode = self._decoder(channel)
         if decode is None:
@@ -191,17 +193,26 @@ class SampleStream:
             self._decoders[channel.id] = decoder_of(f"{self._name}: {channel.topic}", messages) if is_read else None
         return self._decoders[channel.id]
 
-    def _take_still(self, payload: bytes) -> None:
+    def _take_flag(self, topic: str, payload: bytes) -> None:
+        """Keep a rest flag or a measurement of a second source for the next samples; it has its own time."""
         try:
-            self._stills.append(still_of(payload))
+            if topic == STILLS.name:
+                self._stills.append(still_of(payload))
+            else:
+                self._aids.append(aid_in(payload))
         except BrokenRecordError:
             self.damaged += 1
 
     def _with_still(self, sample: Sample) -> Sample:
-        """Sample with the flag that holds from an earlier one on."""
+        """Sample with the flag that holds from an earlier one on, and with its second sources."""
         while self._stills and self._stills[0][0] <= self._count:
             self._still = self._stills.popleft()[1]
         self._count += 1
+        aids = []
+        while self._aids and self._aids[0][0] < self._count:
+            aids.append(self._aids.popleft()[1])
+        if aids:
+            sample = sample._replace(aids=tuple(aids))
         return sample if math.isnan(self._still) else sample._replace(still=self._still)
 
 

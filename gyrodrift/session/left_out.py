@@ -7,17 +7,17 @@ from mcap.opcode import Opcode
 
 from gyrodrift.session.foreign.channels import ForeignFile, chosen_topic, contents_of
 from gyrodrift.session.foreign.records import ForeignRecord, records
-from gyrodrift.session.mcap.layout import EVENTS, READS, SAMPLES, STILLS
+from gyrodrift.session.mcap.layout import AIDS, EVENTS, READS, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import PlacedRecord, SampleRows, Walk
 from gyrodrift.session.session import TABLE, Session
 from gyrodrift.values.words import counted
 
 OWN_CHANNELS = {READS.name: "read of raw bytes", EVENTS.name: "link event"}
 COMMENTED = (".csv", ".tsv", ".txt", ".log")
-IMU_REST = "orientation"
+IMU_REST, AIDS_LEFT_OUT = "orientation", "measurements of second sources"
 
 
-def left_out(source: Path, session: Session, topic: str | None, form: str) -> list[str]:
+def left_out(source: Path, session: Session, topic: str | None, form: str, *, holds_aids: bool = True) -> list[str]:
     """Contents of a recording that are left out, in words.
 
     Parameters
@@ -26,6 +26,8 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
         File, session read from it, and the chosen channel.
     form
         `csv`, or the message type of an .mcap file: `sample`, `imu` or `json`.
+    holds_aids
+        Whether a table of this ending has a column of text for second sources.
     """
     columns = {
         "encoder angle": session.encoder_deg,
@@ -35,6 +37,7 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
         "yaw of the device's own filter": session.device_yaw_deg,
     }
     names = [name for name, column in columns.items() if form == "imu" and column is not None]
+    names += [AIDS_LEFT_OUT] if session.aids and (form == "imu" or not holds_aids) else []
     if session.damage is not None:
         names.append("damaged parts")
     names += (
@@ -67,7 +70,7 @@ def _other_channels(source: Path, session: Session, topic: str | None) -> list[s
     for channel in channels:
         if channel.topic in OWN_CHANNELS:
             names.append(counted(channel.count, OWN_CHANNELS[channel.topic]))
-        elif channel.topic not in {read, STILLS.name}:
+        elif channel.topic not in {read, STILLS.name, AIDS.name}:
             names.append(f"{counted(channel.count, 'message')} on {channel.topic}")
     return [*names, counted(contents.attachments, "attachment")] if contents.attachments else names
 

@@ -1,6 +1,6 @@
 """A recorded session as arrays."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isnan
 from typing import Any
@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.io.result_table import ResultTable
+from gyrodrift.session.aids import RowAids
 from gyrodrift.session.damage import RecordingDamage
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.arrays import Floats, Integers, Mask
 from gyrodrift.values.constants import FULL_TURN_DEG
 from gyrodrift.values.sample import NO_AXES, NO_YAW, DeviceYaw, Inertial, Sample
@@ -70,6 +72,8 @@ class Session(ResultTable):
         us or ns for device times.
     restarts_s
         Device times of the samples at which the device or its clock had restarted, on the clock of the session.
+    aids
+        Measurements of second sources, each with the index of the sample that it came with; None without the column.
     damage
         Lost samples, if the file is damaged and was read with `allow_damage`.
     """
@@ -94,6 +98,7 @@ class Session(ResultTable):
     device_yaw_sigma_deg: Floats | None = None
     device_bias_dps: Floats | None = None
     restarts_s: tuple[float, ...] = ()
+    aids: RowAids | None = None
 
     def __repr__(self) -> str:
         seconds = float(self.t_device_s[-1] - self.t_device_s[0])
@@ -130,7 +135,13 @@ class Session(ResultTable):
         """The samples at some indices."""
         arrays = {name: getattr(self, name) for name in (*ARRAYS, "gyro_dps", "accel_mps2")}
         present = {name: array[rows] for name, array in arrays.items() if array is not None}
-        return replace(self, damage=None, **present)
+        aids = None if self.aids is None else aids_of_rows(self.aids, rows, len(self.rate_dps))
+        return replace(self, damage=None, aids=aids, **present)
+
+    def timed(self, t_device_s: Floats) -> "Session":
+        """The session with other times of its samples, shape (n,), s."""
+        aids = self.aids and shifted_aids(self.aids, self.t_device_s, t_device_s)
+        return replace(self, t_device_s=t_device_s, aids=aids)
 
     def scaled(self, factor: float) -> "Session":
         """The session with all rates times a factor."""
@@ -201,12 +212,18 @@ def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Float
 
 def session_of(name: str, samples: Sequence[Sample]) -> Session:
     """Session from samples, without the columns that they lack."""
-    *numbers, axes, device_yaws = zip(*samples, strict=True)
+    *numbers, axes, device_yaws, aids = zip(*samples, strict=True)
     columns = dict(zip(Sample._fields, map(np.array, numbers), strict=False))
     for optional in ("encoder_deg", "temp_c", "still"):
         if np.isnan(columns[optional]).all():
             del columns[optional]
-    return session_of_columns(name, {**columns, **axis_columns(axes), **device_columns(device_yaws)})
+    further = {**axis_columns(axes), **device_columns(device_yaws)}
+    return session_of_columns(name, {**columns, **further}, aids=row_aids(aids))
+
+
+def row_aids(aids: Iterable[Sequence[Aid]]) -> RowAids | None:
+    """Measurements of second sources with the indices of their samples; None without any."""
+    return tuple((row, aid) for row, of_sample in enumerate(aids) for aid in of_sample) or None
 
 
 def session_of_columns(name: str, columns: Mapping[str, NDArray[Any] | None], **fields: Any) -> Session:
@@ -229,6 +246,21 @@ def device_columns(device_yaws: Sequence[DeviceYaw | None]) -> dict[str, Floats 
         return {}
     table = np.array([device_yaw or NO_YAW for device_yaw in device_yaws], dtype=np.float64)
     return dict(zip(DEVICE_COLUMNS, table.T, strict=True))
+
+
+def aids_of_rows(aids: RowAids, rows: slice | Integers, count: int) -> RowAids:
+    """Measurements of some samples of `count`; those of a sample that is left out come with the next one."""
+    kept = np.arange(count)[rows]
+    order = np.argsort(kept, kind="stable")
+    indices = np.searchsorted(kept[order], [row for row, _ in aids])
+    first, last = (int(kept.min()), int(kept.max())) if len(kept) else (0, -1)
+    pairs = zip(aids, indices.tolist(), strict=True)
+    return tuple((int(order[index]), aid) for (row, aid), index in pairs if first <= row <= last)
+
+
+def shifted_aids(aids: RowAids, before_s: Floats, after_s: Floats) -> RowAids:
+    """Measurements on another clock, which gives their samples the times `after_s`, shape (n,)."""
+    return tuple((row, aid._replace(t_s=float(aid.t_s + after_s[row] - before_s[row]))) for row, aid in aids)
 
 
 def unwrapped(angle_deg: Floats) -> Floats:

@@ -21,7 +21,7 @@ from firmware_sim.effects.sensor_curve import ScaleFactor
 from firmware_sim.effects.sensor_dynamics import Vibration
 from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest
-from firmware_sim.rig import Base, Rig
+from firmware_sim.rig import Base, Rig, SimulatedAid
 from gyrodrift.io.files import write_whole
 from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
@@ -63,6 +63,8 @@ class Case:
         Absolute power-on bias with a random sign; None draws it like that of real parts.
     swing_c
         Change of the air temperature over a session, °C.
+    aids
+        Second sources beside the gyro.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Case:
     effects: Effects = lambda _: ()
     bias_dps: float | None = None
     swing_c: float = 0.0
+    aids: tuple[SimulatedAid, ...] = ()
 
 
 CASES = (
@@ -121,8 +124,41 @@ CASES = (
 )
 
 
+AIDED_CASES = (
+    Case(
+        "heading-a-minute",
+        "no rest, and one heading a minute, late, with another zero, one in ten wrong",
+        turns_without_rests,
+        aids=(SimulatedAid(name="heading", every_s=60.0, late_s=1.0, offset_deg=40.0, wrong_share=0.1),),
+    ),
+    Case(
+        "slipping-wheels",
+        "wheels with a wrong track that slip, and a speed that reads 0 below a threshold",
+        turns_with_rests,
+        aids=(
+            SimulatedAid(name="wheels", every_s=0.1, scale_percent=2.0, slip_share=0.2),
+            SimulatedAid(name="speed", every_s=0.2, threshold=0.1),
+        ),
+    ),
+    Case(
+        "walls",
+        "directions of a building, coarse, and gone half of the time",
+        turns_without_rests,
+        aids=(SimulatedAid(name="heading", every_s=5.0, sigma=3.0, period_deg=90.0, gone_share=0.5, resolution=1.0),),
+    ),
+)
+"""Cases with a second source and its flaws; the gyro alone fails at most of them."""
+
+
 def write_hard_cases(
-    folder: Path, seed: int, sessions: int = SESSIONS, minutes: float = MINUTES, ending: str = "mcap", axes: int = 1
+    folder: Path,
+    seed: int,
+    sessions: int = SESSIONS,
+    minutes: float = MINUTES,
+    ending: str = "mcap",
+    axes: int = 1,
+    *,
+    is_aided: bool = False,
 ) -> Iterator[Path]:
     """Write `folder/CASE-still/session-01` and so on, each with its rig, and yield the path of each written session.
 
@@ -131,29 +167,31 @@ def write_hard_cases(
     UsageError
         A file cannot be written.
     """
-    for case, is_still in _versions(axes):
+    for case, is_still in _versions(axes, is_aided=is_aided):
         for number in range(sessions):
             path = _path(folder, case.name, number, ending, is_still=is_still)
             _write(path, _simulated(case, seed, number, minutes, is_still=is_still))
             yield path
 
 
-def hard_case_paths(folder: Path, sessions: int = SESSIONS, ending: str = "mcap", axes: int = 1) -> list[Path]:
+def hard_case_paths(
+    folder: Path, sessions: int = SESSIONS, ending: str = "mcap", axes: int = 1, *, is_aided: bool = False
+) -> list[Path]:
     """Paths of the sessions of `write_hard_cases`."""
     return [
         _path(folder, case.name, number, ending, is_still=is_still)
-        for case, is_still in _versions(axes)
+        for case, is_still in _versions(axes, is_aided=is_aided)
         for number in range(sessions)
     ]
 
 
-def hard_case_count(sessions: int = SESSIONS, axes: int = 1) -> int:
+def hard_case_count(sessions: int = SESSIONS, axes: int = 1, *, is_aided: bool = False) -> int:
     """Number of sessions of `write_hard_cases`."""
-    return len(_versions(axes)) * sessions
+    return len(_versions(axes, is_aided=is_aided)) * sessions
 
 
-def _versions(axes: int) -> list[tuple[Case | AttitudeCase, bool]]:
-    cases: Sequence[Case | AttitudeCase] = CASES if axes == 1 else ATTITUDE_CASES
+def _versions(axes: int, *, is_aided: bool) -> list[tuple[Case | AttitudeCase, bool]]:
+    cases: Sequence[Case | AttitudeCase] = AIDED_CASES if is_aided else CASES if axes == 1 else ATTITUDE_CASES
     return [(case, is_still) for case in cases for is_still in (True, False)]
 
 
@@ -192,6 +230,7 @@ def _part(case: Case, rng: Rng) -> Rig:
     return Rig(
         base=Base(bias_dps=bias_dps, noise_dps_rthz=noise),
         effects=(BiasInstability(floor_dph=floor), *case.effects(rng)),
+        aids=case.aids,
     )
 
 

@@ -5,7 +5,8 @@ stands beside a session of three axes as numpy arrays in `NAME.truth.npz`.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,14 @@ from numpy.typing import NDArray
 from firmware_sim.measure import ACCEL_MISSING, Block, Motion, TriaxialBlock, measure
 from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base, Rig
+from firmware_sim.second_source import AidStream, aid_streams, until
 from firmware_sim.triaxial import kinematics_of
 from gyrodrift.io.files import whole_file, write_whole
 from gyrodrift.io.progress import OnProgress, counted, ignore_progress
+from gyrodrift.session.aids import RowAids
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import DEVICE_COLUMNS, Session
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.arrays import Floats
 
 RIG = "rig.yaml"
@@ -58,17 +62,20 @@ class Simulation:
     def chunks(self) -> Iterator[Session]:
         """The session in pieces of a few thousand samples, so that memory does not grow with its length."""
         count, own_filter = sample_count(self.rig, self.minutes), own_filter_of(self.rig.base)
+        streams = aid_streams(self.rig.aids, self.profile, self.seed, self.number)
         for block in measure(self.rig, self.profile, self.seed, self.number):
             is_inside = block.seq < count
             if not is_inside.all():
                 if is_inside.any():
-                    yield self._recorded(block.only(is_inside), own_filter)
+                    yield self._recorded(block.only(is_inside), own_filter, streams)
                 return
-            yield self._recorded(block, own_filter)
+            yield self._recorded(block, own_filter, streams)
 
-    def _recorded(self, block: Block, own_filter: OwnFilter | None) -> Session:
-        """A block as a session, with the results of the filter in the device."""
+    def _recorded(self, block: Block, own_filter: OwnFilter | None, streams: list[AidStream]) -> Session:
+        """A block as a session, with second sources and the results of the filter in the device."""
         session = as_recorded(block, self.rig.base, str(self.number))
+        if streams:
+            session = replace(session, aids=_row_aids(block.seq / self.rig.base.sample_rate_hz, streams))
         if own_filter is None:
             return session
         results = np.array(list(own_filter.results(block)))
@@ -82,7 +89,30 @@ class Simulation:
             for name in SIMULATED
             if getattr(chunks[0], name) is not None
         }
-        return Session(str(self.number), **columns)
+        firsts = np.cumsum([0, *(len(chunk.rate_dps) for chunk in chunks)]).tolist()
+        pairs = zip(firsts, chunks, strict=False)
+        aids = tuple((first + row, aid) for first, chunk in pairs for row, aid in chunk.aids or ())
+        return Session(str(self.number), **columns, aids=aids if self.rig.aids else None)
+
+
+def _row_aids(t_s: Floats, streams: list[AidStream]) -> RowAids:
+    """Measurements that arrive with the samples at times after power-on, s; each has the time of its sample."""
+    values = until(streams, float(t_s[-1]))
+    rows = np.searchsorted(t_s, [value.t_s for value in values]).tolist()
+    return tuple(
+        (
+            row,
+            Aid(
+                it.aid.name,
+                it.aid.name,
+                it.value,
+                sigma=it.aid.sigma or nan,
+                period_deg=it.aid.period_deg,
+                speed=it.speed,
+            ),
+        )
+        for row, it in zip(rows, values, strict=True)
+    )
 
 
 def as_recorded(block: Block, base: Base, name: str) -> Session:

@@ -13,7 +13,7 @@ from rich.text import Text
 from gyrodrift.io.text_chart import DOTS, SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
 from gyrodrift.outputs.fields import Field, Use, fields_of
 from gyrodrift.outputs.health import HealthLevel, health
-from gyrodrift.outputs.status import FilterStatus, LinkStatus, OutputStatus, ServiceStatus
+from gyrodrift.outputs.status import FilterStatus, LinkStatus, OutputStatus, ServiceStatus, aid_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,7 @@ def _filter_figures(now: FilterStatus) -> list[Figure]:
         Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),
         *(_figure(field, getattr(now, field.name)) for field in fields_of(Use.FIGURE)),
+        *(Figure(name, aid_text(aid)) for name, aid in (now.aids or {}).items()),
     ]
 
 

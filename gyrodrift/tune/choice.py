@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.evaluation.attitude import attitude_history
+from gyrodrift.evaluation.attitude import filter_history
 from gyrodrift.evaluation.dataset import LoadedSession, Split
 from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.evaluation.space import row_of
@@ -30,15 +30,20 @@ CHECKED = 3
 
 
 def worse_on_three_axes(params: FilterParams, sessions: Sequence[LoadedSession]) -> str:
-    """Warning if the attitude filter is worse with these parameters than with its defaults; empty if it is better."""
-    with_axes = [session for session in sessions if session.reference.axes is not None]
-    if not with_axes:
+    """Warning if restlevel is worse with these parameters than with its defaults, on three axes or with second sources.
+
+    The search uses the rate of the heading alone. Empty if the parameters are better, or if no session has more.
+    """
+    with_more = [session for session in sessions if session.reference.axes is not None or session.reference.aids]
+    if not with_more:
         return ""
-    tuned_deg, default_deg = (_rms_deg(candidate, with_axes) for candidate in (params, RESTLEVEL.params()))
+    tuned_deg, default_deg = (_rms_deg(candidate, with_more) for candidate in (params, RESTLEVEL.params()))
     if tuned_deg < default_deg:
         return ""
+    has_axes = any(session.reference.axes is not None for session in with_more)
+    case = "on three axes" if has_axes else "with the second sources"
     return (
-        f"the parameters found on the rate of the heading are worse on three axes: {tuned_deg:.3g} against "
+        f"the parameters found on the rate of the heading are worse {case}: {tuned_deg:.3g} against "
         f"{default_deg:.3g} deg RMS; the config has the defaults"
     )
 
@@ -50,9 +55,8 @@ def _rms_deg(params: FilterParams, sessions: Sequence[LoadedSession]) -> float:
 
 def _pi_deg2(params: FilterParams, session: LoadedSession) -> float:
     reference = session.reference
-    if reference.axes is None:
-        raise ValueError(f"{reference.name} has one axis")
-    history = attitude_history(session.t_s, reference.axes, reference.auxiliary, params)
+    columns = (session.t_s, reference.rate_dps, reference.axes, reference.auxiliary)
+    history = filter_history(*columns, params, reference.aids)
     return float(score_of(reference, history.yaw_deg).pi_deg2)
 
 

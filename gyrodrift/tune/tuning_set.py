@@ -5,7 +5,6 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
-from types import TracebackType
 from typing import Self
 
 from gyrodrift.evaluation.cost import Cost
@@ -61,9 +60,7 @@ class TuningSet:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._close()
 
     def loaded(self, index: int) -> LoadedSession:

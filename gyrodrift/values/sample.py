@@ -3,6 +3,8 @@
 from math import isnan, nan
 from typing import NamedTuple
 
+from gyrodrift.values.aid import Aid, AidStatus
+
 
 class Inertial(NamedTuple):
     """Rates and specific forces about the three axes of a sensor.
@@ -77,6 +79,8 @@ class Reading(NamedTuple):
     delta_deg
         Angle since the previous measurement of a device that sends no rate, deg; else NaN. `rate_dps` is NaN, and the
         clock makes it.
+    aids
+        Measurements of second sources that came with it; their times count from it, s, negative for earlier ones.
     """
 
     t_us: int | None
@@ -89,6 +93,7 @@ class Reading(NamedTuple):
     inertial: Inertial | None = None
     device_yaw: DeviceYaw | None = None
     delta_deg: float = nan
+    aids: tuple[Aid, ...] = ()
 
 
 class Sample(NamedTuple):
@@ -102,6 +107,8 @@ class Sample(NamedTuple):
         Arrival, Unix time in s on a clock that never steps.
     rate_dps, encoder_deg, temp_c, still, inertial, device_yaw
         As in `Reading`.
+    aids
+        Measurements of second sources that came with it or since the sample before.
     """
 
     seq: int
@@ -113,6 +120,7 @@ class Sample(NamedTuple):
     still: float = nan
     inertial: Inertial | None = None
     device_yaw: DeviceYaw | None = None
+    aids: tuple[Aid, ...] = ()
 
 
 class Attitude(NamedTuple):
@@ -169,6 +177,8 @@ class Corrected(NamedTuple):
         Step of yaw in this sample that is no motion, deg: a change of the estimate, 0 else. Number of those over 1 deg.
     smooth_yaw_deg
         `yaw_deg` that takes corrections in slowly; NaN without `slew_dps` in the config.
+    aids
+        How each second source agrees, by its name; None without any.
     """
 
     sample: Sample
@@ -187,3 +197,4 @@ class Corrected(NamedTuple):
     correction_deg: float = 0.0
     corrections: float = 0.0
     smooth_yaw_deg: float = nan
+    aids: dict[str, AidStatus] | None = None

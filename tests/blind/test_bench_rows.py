@@ -187,11 +187,7 @@ def test_what_the_rig_has_is_read() -> None:
 def test_of_jumps_less_high_than_those_it_speaks_of_nothing_is_said(step_deg: float, *, is_seen: bool) -> None:
     without = shows(encoder_slip={"per_hour": 20.0, "unit": "1/h", "at": {"step_deg": 0.5}})
     item = case(
-        "single",
-        gap("none"),
-        {"encoder_slip": {"per_hour": 40.0, "step_deg": step_deg}},
-        row="single",
-        without=without,
+        "single", gap("none"), {"encoder_slip": {"per_hour": 40.0, "step_deg": step_deg}}, row="single", without=without
     )
     shown = counts(share([item], "group named first, typical"))
     assert shown == ((0, 1) if is_seen else (0, 0))

@@ -74,14 +74,8 @@ def test_a_new_block_takes_the_place_of_the_old_one() -> None:
         ("calibration: {}", "1:1 calibration.date: is missing"),
         ("calibration: {date: yesterday}", "1:15 calibration.date: is 'yesterday' (text); expected a date such as"),
         ("calibration: {date: 2026-01-01, sign: 2}", "1:33 calibration.sign: is 2; expected 1 or -1"),
-        (
-            "calibration: {date: 2026-01-01, scale_ccw: 9}",
-            "1:33 calibration.scale_ccw: is 9; expected a number",
-        ),
-        (
-            "calibration: {date: 2026-01-01, scale: 1}",
-            "1:33 calibration.scale: is not a key of calibration",
-        ),
+        ("calibration: {date: 2026-01-01, scale_ccw: 9}", "1:33 calibration.scale_ccw: is 9; expected a number"),
+        ("calibration: {date: 2026-01-01, scale: 1}", "1:33 calibration.scale: is not a key of calibration"),
     ],
 )
 def test_a_mistake_in_the_block_is_named_with_its_place(block: str, problem: str, tmp_path: Path) -> None:

@@ -47,10 +47,7 @@ def check(result: Calibration) -> None:
 
 @pytest.mark.parametrize(
     ("words", "device_id"),
-    [
-        pytest.param(NATIVE, "firmware_sim", id="native"),
-        pytest.param(CSV, "", id="csv", marks=pytest.mark.evaluation),
-    ],
+    [pytest.param(NATIVE, "firmware_sim", id="native"), pytest.param(CSV, "", id="csv", marks=pytest.mark.evaluation)],
 )
 def test_turns_and_sides_without_a_terminal_give_json_and_a_config(
     words: tuple[str, ...], device_id: str, tmp_path: Path

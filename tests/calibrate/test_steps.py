@@ -43,10 +43,7 @@ def test_a_rest_tells_bias_and_noise() -> None:
 @pytest.mark.parametrize(
     ("rates_dps", "reason"),
     [
-        (
-            np.concatenate([at_rest(5.0), at_rest(1.0, 5.0), at_rest(4.0)]),
-            "the device moved after 5.* s of rest",
-        ),
+        (np.concatenate([at_rest(5.0), at_rest(1.0, 5.0), at_rest(4.0)]), "the device moved after 5.* s of rest"),
         (at_rest(10.0) + np.linspace(0.0, 2.0, 1000), "the device moved after .* of rest"),
         (
             at_rest(10.0) + 3.0 * np.sin(np.arange(1000)) * (np.arange(1000) // 100 == 7),

@@ -39,7 +39,7 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def notice(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with what a comparison of both wrote, tuned on the second."""
     out = tmp_path_factory.mktemp("told")
-    arguments = ["--train", str(tables / "b"), "--iterations", "40", "--jobs", "2", "--out", str(out)]
+    arguments = ["--train", str(tables / "b"), "--iterations", "16", "--jobs", "2", "--out", str(out)]
     assert main(["compare", str(tables / "a"), str(tables / "b"), *arguments]) == 0
     return out
 
@@ -48,7 +48,7 @@ def notice(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def by_tune(tables: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a config that `tune` found on the second folder, and what a comparison of both with it wrote."""
     folder = tmp_path_factory.mktemp("by_tune")
-    arguments = ["--filter", "hdr", "--test", str(tables / "a"), "--iterations", "40", "--report", str(folder)]
+    arguments = ["--filter", "hdr", "--test", str(tables / "a"), "--iterations", "16", "--report", str(folder)]
     assert main(["tune", str(tables / "b"), *arguments, "--out", str(folder / "c.yaml")]) == 0
     pair = [str(tables / "a"), str(tables / "b")]
     assert main(["compare", *pair, "--config", str(folder / "c.yaml"), "--jobs", "1", "--out", str(folder)]) == 0
@@ -71,7 +71,9 @@ def of(rows: list[dict[str, Any]], key: str, *, tuned: bool = False) -> dict[str
 def installed() -> list[str]:
     """Methods that run on sessions of one axis."""
     return [
-        method.key for method in methods() if method.is_installed and not (method.needs_axes or method.needs_device_yaw)
+        method.key
+        for method in methods()
+        if method.is_installed and not (method.needs_axes or method.needs_device_yaw or method.needs_aids)
     ]
 
 
@@ -182,7 +184,7 @@ def test_a_config_that_tune_wrote_is_told_of_with_the_sessions_that_it_saw(by_tu
     note = f"the row HDR, by config is too optimistic: {config} {tuned_on}"
     assert statement["notes"] == [note]
     assert note in html
-    assert f"HDR ran with the parameters of {config}, tuned (40 evaluations, seed 0) on 2 sessions" in html
+    assert f"HDR ran with the parameters of {config}, tuned (16 evaluations, seed 0) on 2 sessions" in html
     assert "2 of them are compared here" in html
     assert "Every other method ran with its defaults." in html
     cells = [item for item in first_cells((by_tune / "report.html").read_text()) if item.startswith("HDR")]

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from support import Command, Terminal
+from support import Command, Terminal, quick
 
 from gyrodrift.cli import completion
 
@@ -33,14 +33,12 @@ LINES = [
 SOME = (LINES[0], LINES[2], LINES[-1])
 """A command, a value and a file: every shell asks the same program."""
 
+BASH = (["bash", "--norc", "--noprofile", "-i"], 'eval "$(gyrodrift completion bash)"')
+ZSH = (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrodrift completion zsh)"')
+
 
 @pytest.mark.parametrize(
-    ("shell", "start", "lines"),
-    [
-        (["bash", "--norc", "--noprofile", "-i"], 'eval "$(gyrodrift completion bash)"', LINES),
-        (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrodrift completion zsh)"', SOME),
-    ],
-    ids=["bash", "zsh"],
+    ("shell", "start", "lines"), quick([(*BASH, LINES), (*BASH, SOME), (*ZSH, SOME)], (*BASH, SOME), (*ZSH, SOME))
 )
 def test_the_tabulator_key_goes_on_with_a_line(
     shell: list[str], start: str, lines: Sequence[tuple[str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

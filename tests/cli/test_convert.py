@@ -156,11 +156,7 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
         (["others.mcap", "o.csv"], 4, "samples may be on /a, /b; choose one with gyrodrift convert --topic"),
         (["none.mcap", "o.csv"], 4, "none.mcap: there is no such session"),
         (["torn.mcap", "o.csv", "--topic", "/a"], 4, "torn.mcap: is damaged: a chunk cannot be opened"),
-        (
-            ["s.csv", "o.mcap", "--topic", "/a"],
-            2,
-            "--topic /a: needs an .mcap file or a bag as IN, s.csv is none",
-        ),
+        (["s.csv", "o.mcap", "--topic", "/a"], 2, "--topic /a: needs an .mcap file or a bag as IN, s.csv is none"),
         (["s.csv", "o.csv", "--as", "json"], 2, "--as json: needs an .mcap file as OUT, o.csv is none"),
         (["s.csv", "o.csv", "--as", "sample"], 2, "--as sample: needs an .mcap file as OUT"),
         (["s.csv", "o.bag", "--as", "imu"], 2, "--as imu: needs an .mcap file as OUT"),

@@ -21,7 +21,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.usefixtures("diagnosis_kernels"), pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.xdist_group("diagnosis"), pytest.mark.usefixtures("diagnosis_kernels")]
 
 MINUTES = 2.0
 
@@ -190,6 +190,7 @@ def test_no_gap_is_an_answer_with_what_would_have_been_seen(
     assert gap["calibration"]["bias_dps"]["data"] == pytest.approx(0.35, abs=0.01)
 
 
+@pytest.mark.evaluation
 def test_an_effect_that_is_withheld_is_not_named(two: Path, tmp_path: Path) -> None:
     gap = diagnosed(two, tmp_path, *REST)
     assert "scale_factor" not in [cause["effect"] for cause in gap["causes"]]
@@ -215,6 +216,7 @@ def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> Non
     assert f"gyrodrift diagnose {bare}" in statement
 
 
+@pytest.mark.evaluation
 def test_sign_and_unit_are_told_before_anything_else(two: Path, tmp_path: Path) -> None:
     turn = tmp_path / "turned"
     turn.mkdir()

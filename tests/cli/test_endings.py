@@ -63,11 +63,7 @@ def test_json_is_json(tmp_path: Path) -> None:
 @pytest.mark.parametrize("command", [["filter", "in.csv", "--out"], ["convert", "in.csv"]])
 @pytest.mark.parametrize("name", ["out.xlsx", "out.txt", "out", "out.csv.gz"])
 def test_an_ending_that_is_none_is_refused_with_the_list(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    command: list[str],
-    name: str,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: list[str], name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """An unknown ending of an output is refused, with the list of endings."""
     monkeypatch.chdir(tmp_path)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from page_support import row, words
 from recordings_support import Recordings
+from support import quick
 
 from gyrodrift.cli import main
 from gyrodrift.io.installation import extra_command
@@ -255,7 +256,10 @@ def small(tmp_path: Path) -> Path:
     return tmp_path / "small.csv"
 
 
-@pytest.mark.parametrize(("ending", "magic"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+PNG = ("png", b"\x89PNG")
+
+
+@pytest.mark.parametrize(("ending", "magic"), quick([PNG, ("svg", b"<?xml"), ("pdf", b"%PDF")], PNG))
 def test_a_picture_is_drawn_beside_the_table(
     ending: str, magic: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -342,7 +346,7 @@ def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pyt
     assert {path.name for path in tmp_path.iterdir()} == {"small.csv", "other.csv"}
 
 
-@pytest.mark.parametrize("name", ["broad_01", "mpu6050_still", "temperature_sweep"])
+@pytest.mark.parametrize("name", quick(["broad_01", "mpu6050_still", "temperature_sweep"], "temperature_sweep"))
 def test_real_recordings_are_told_and_drawn(
     name: str, recordings: Recordings, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

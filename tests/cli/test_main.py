@@ -101,15 +101,9 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
         ("serve --port x --prot native", "--prot: serve has no such option; did you mean --protocol?"),
         ("compare --iteration=5 x", "--iteration: compare has no such option; did you mean --iterations?"),
         ("--vers", "--vers: gyrodrift has no such option; did you mean --version?"),
-        (
-            "diagnose --withhold scale_facto",
-            "--withhold scale_facto: there is no such effect; did you mean scale_fac",
-        ),
+        ("diagnose --withhold scale_facto", "--withhold scale_facto: there is no such effect; did you mean scale_fac"),
         ("simulate --effect warmpu", "--effect warmpu: there is no effect 'warmpu'; did you mean warmup?"),
-        (
-            "simulate --profile turntabel",
-            "--profile turntabel: there is no such profile or file; did you mean turn",
-        ),
+        ("simulate --profile turntabel", "--profile turntabel: there is no such profile or file; did you mean turn"),
         ("simulate --format cvs", "--format cvs: did you mean csv?"),
         ("convert --as imuu", "--as imuu: did you mean imu?"),
         ("replay --protocol csvv", "--protocol csvv: did you mean csv?"),

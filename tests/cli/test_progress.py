@@ -14,7 +14,7 @@ from typing import TextIO
 
 import pyte
 import pytest
-from support import PATIENCE_S, Terminal, ours
+from support import PATIENCE_S, Terminal, ours, quick
 
 from gyrodrift.cli import main
 from gyrodrift.io.progress import Progress
@@ -31,9 +31,6 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert main(["simulate", "--out", str(folder), *words]) == 0
     return folder
 
-
-REMAINING = rb"left\D+\d:\d\d:\d\d"
-"""Hours, minutes and seconds, in colours."""
 
 QUICK = {
     "simulate": (["--out", "{out}/new", "--minutes", "1"], "samples"),
@@ -53,7 +50,7 @@ def words(name: str, arguments: Sequence[str], sessions: Path, out: Path) -> lis
     return [name, *(word.format(**paths) for word in arguments)]
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", quick(QUICK, "filter"))
 def test_quick_ones_show_a_bar_that_is_gone_in_the_end(name: str, sessions: Path, tmp_path: Path) -> None:
     arguments, what = QUICK[name]
     with Terminal(*ours(*words(name, arguments, sessions, tmp_path)), columns=120, streams=["stderr"]) as terminal:
@@ -64,7 +61,7 @@ def test_quick_ones_show_a_bar_that_is_gone_in_the_end(name: str, sessions: Path
         assert not re.search(r"\d/\d", terminal.text)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", quick(QUICK, "simulate"))
 def test_a_pipe_and_a_quiet_terminal_see_nothing_of_it(name: str, sessions: Path, tmp_path: Path) -> None:
     arguments, _ = QUICK[name]
     line = words(name, arguments, sessions, tmp_path)
@@ -100,7 +97,7 @@ COPIES = 60
 NEXT = {"tune": "sessions read", "compare": "sessions", "diagnose": "sessions checked"}
 
 
-@pytest.mark.parametrize("name", LONG)
+@pytest.mark.parametrize("name", quick(LONG, "tune", "diagnose"))
 def test_long_ones_show_something_before_they_load_their_packages(name: str, sessions: Path, tmp_path: Path) -> None:
     line = words(name, LONG[name], sessions, tmp_path)
     with Terminal(*ours(*line), columns=120, streams=["stderr"]) as terminal:

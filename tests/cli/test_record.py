@@ -237,10 +237,7 @@ def test_a_recording_beside_serve_has_every_sample(port: Path, out: Path) -> Non
     config = out.parent / "c.yaml"
     config.write_text("hdr: {i_c_dps: 0.001, tau_s: 0.1, theta_w_dps: 1, c1: 0, c2: 1}\n")
     bad = csv_line(2_000_000, 1.0, None, None).replace(b"1.0", b"nan")
-    with (
-        speaking_on(port) as device,
-        Command("serve", "--port", port, "--record", out, "--config", config) as serve,
-    ):
+    with speaking_on(port) as device, Command("serve", "--port", port, "--record", out, "--config", config) as serve:
         device.wait_for_reader(never)
         device.send_all(lines(200) + bad + lines(100, 201), never)
         served = serve.take_lines(300)

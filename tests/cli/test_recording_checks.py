@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.cli import main
@@ -222,7 +222,6 @@ CHANGES: Sequence[str] = ("57.3", "rad", "ms", "counts")
 
 
 @pytest.mark.promise("Files of other programs")
-@settings(max_examples=60, deadline=None)
 @given(
     change=st.sampled_from(CHANGES),
     hz=st.floats(20.0, 900.0),

@@ -103,10 +103,7 @@ def test_a_twin_drifts_as_far_as_its_row_says(tmp_path: Path) -> None:
         (["--minutes", "0"], "--minutes 0: expected a number above 0"),
         (["--sessions", "0"], "--sessions 0: expected a number above 0"),
         (["--seed", "-1"], "--seed -1: expected a whole number from 0"),
-        (
-            ["--profile", "nowhere"],
-            "--profile nowhere: there is no such profile or file; there are constant-spin",
-        ),
+        (["--profile", "nowhere"], "--profile nowhere: there is no such profile or file; there are constant-spin"),
         (["--rig", "nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
         (["--twin", "nowhere.csv"], "nowhere.csv: cannot be read"),
         (["--out", "/dev/null/x"], "/dev/null/x: cannot be written: Not a directory"),

@@ -138,10 +138,7 @@ def test_a_known_head_is_read_without_options(tmp_path: Path, form: str) -> None
 
 
 LABELLED: dict[str, tuple[str, Row]] = {
-    "semicolons and decimal commas": (
-        "Zeit (s);Gyro Z (°/s)\n",
-        lambda n, t, r: f"{t:.3f};{r:.4f}".replace(".", ","),
-    ),
+    "semicolons and decimal commas": ("Zeit (s);Gyro Z (°/s)\n", lambda n, t, r: f"{t:.3f};{r:.4f}".replace(".", ",")),
     "our names in quotes, with R's row names": (
         '"","t_device_s","rate_dps"\n',
         lambda n, t, r: f'"{n + 1}",{t:.3f},{r:.4f}',

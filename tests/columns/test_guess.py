@@ -91,10 +91,7 @@ def test_columns_that_something_names_can_be_pasted(name: str) -> None:
 UNIT_ASKED: dict[str, tuple[Callable[[int], str], str]] = {
     "serial plotter": (lambda i: f"gx:{n(1):.2f},gy:{n(1):.2f},gz:{n(1):.2f}", "gz=rate:UNIT"),
     "counts": (lambda i: f"gx:{int(n(20))},gy:{int(n(20))},gz:{int(n(20))}", "gz=rate:UNIT"),
-    "JSON": (
-        lambda i: f'{{"t":{10_000 * i},"gyro":{{"x":1,"y":2,"z":{n(1):.3f}}}}}',
-        "t=t_us, gyro.z=rate:UNIT",
-    ),
+    "JSON": (lambda i: f'{{"t":{10_000 * i},"gyro":{{"x":1,"y":2,"z":{n(1):.3f}}}}}', "t=t_us, gyro.z=rate:UNIT"),
     "degrees of a rate": (lambda i: f"gz: {n(1):.2f} deg", "gz=rate:UNIT"),
     "i2cdevlib, MPU6050_raw": (
         lambda i: f"a/g:\t{16000 + int(n(50))}\t{int(n(50))}\t300\t{int(n(20))}\t{int(n(20))}\t{int(n(20))}",

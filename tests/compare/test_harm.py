@@ -33,8 +33,7 @@ def errors_deg(paths: Sequence[Path]) -> dict[str, list[float]]:
 
 
 @pytest.mark.parametrize(
-    ("pattern", "harm_most", "allowance"),
-    [("benchy_*", 0.1, 1.05), ("rasteiro_*", 0.1, 1.0), ("smartloc_*", 0.0, 1.0)],
+    ("pattern", "harm_most", "allowance"), [("benchy_*", 0.1, 1.05), ("rasteiro_*", 0.1, 1.0), ("smartloc_*", 0.0, 1.0)]
 )
 def test_it_seldom_harms(pattern: str, harm_most: float, allowance: float, recordings: Recordings) -> None:
     """Sets: a hovering bench whose sensor subtracts its own bias, parts on a robot, and a car.

@@ -18,7 +18,11 @@ Floats = NDArray[np.float64]
 
 RATE_HZ = 100.0
 BIAS_DPS = 0.4
-BY_KEY = {key: method for key, method in by_key().items() if not (method.needs_axes or method.needs_device_yaw)}
+BY_KEY = {
+    key: method
+    for key, method in by_key().items()
+    if not (method.needs_axes or method.needs_device_yaw or method.needs_aids)
+}
 STREAMS = [method.key for method in BY_KEY.values() if not method.is_offline]
 LEARNERS = ["start", "sign", "kalman", "xio", "vqf", "vqf_offline"]
 

@@ -79,10 +79,7 @@ def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
             "hdr:\n  # tau_s: 1\n",
             Config("hdr", {"hdr": HdrParams()}, None, tuple(f"hdr.{line}" for line in HDR_DEFAULTS)),
         ),
-        (
-            "restlevel:\n",
-            Config("restlevel", {"restlevel": RestlevelParams()}, None, RESTLEVEL_DEFAULTS),
-        ),
+        ("restlevel:\n", Config("restlevel", {"restlevel": RestlevelParams()}, None, RESTLEVEL_DEFAULTS)),
         (
             f"filter: restlevel\n{GOOD}",
             Config("restlevel", {"hdr": HdrParams(1e-3, 0.5, 1.0, 0.0, 1.25)}, None, RESTLEVEL_DEFAULTS),
@@ -146,10 +143,7 @@ def test_the_shipped_config_is_valid() -> None:
         ("hdr: 1\n", "c.yaml:1:1 hdr: is 1; expected a block with i_c_dps, tau_s, theta_w_dps, c1, c2"),
         (GOOD + "filter: kalman\n", "c.yaml:7:1 filter: is 'kalman' (text); expected hdr or restlevel"),
         (GOOD + "hdrr: 1\n", "c.yaml:7:1 hdrr: is not a key of this file; did you mean hdr?"),
-        (
-            GOOD + "shade: 1\n",
-            f"c.yaml:7:1 shade: is not a key of this file; expected {', '.join(KEYS)}",
-        ),
+        (GOOD + "shade: 1\n", f"c.yaml:7:1 shade: is not a key of this file; expected {', '.join(KEYS)}"),
         (GOOD + "sample_rate_hz: 0\n", "c.yaml:7:1 sample_rate_hz: is 0; expected a number above 0 up to 1e+06 Hz"),
         (GOOD + "  c1: 1\n", "c.yaml:7:3 hdr.c1: is given twice, first in line 5; keep one"),
         (GOOD.replace(".5", "on"), "c.yaml:3:3 hdr.tau_s: is 'on' (text); expected a number from 0 to 1000 s"),

@@ -45,20 +45,14 @@ def test_outputs_are_a_list_of_blocks_with_a_name(tmp_path: Path) -> None:
         ("outputs: [{name: tpc}]\n", "outputs.0.name: 'tpc' (text) is not an output; did you mean tcp?"),
         ("outputs: [{name: 7}]\n", "outputs.0.name: 7 is not an output; expected tcp, unix, udp"),
         ("outputs: [{name: tcp, prot: 1}]\n", "outputs.0.prot: is not an option of tcp; did you mean port?"),
-        (
-            "outputs: [{name: tcp, port: 70000}]\n",
-            "outputs.0.port: is 70000; expected a whole number from 0 to 65535",
-        ),
+        ("outputs: [{name: tcp, port: 70000}]\n", "outputs.0.port: is 70000; expected a whole number from 0 to 65535"),
         ("outputs: [{name: tcp, port: 1.5}]\n", "outputs.0.port: is 1.5; expected a whole number from 0 to 65535"),
         ("outputs: [{name: tcp, host: 5}]\n", "outputs.0.host: is 5; expected a name or an address"),
         (
             "outputs: [{name: tcp, rate_hz: fast}]\n",
             "outputs.0.rate_hz: is 'fast' (text); expected a number above 0 up to 1e+06 Hz",
         ),
-        (
-            "outputs: [{name: udp, timestamp: mine}]\n",
-            "outputs.0.timestamp: is 'mine' (text); expected host or device",
-        ),
+        ("outputs: [{name: udp, timestamp: mine}]\n", "outputs.0.timestamp: is 'mine' (text); expected host or device"),
     ],
 )
 def test_a_mistake_is_named_with_its_place_and_what_is_expected(tmp_path: Path, outputs: str, expected: str) -> None:

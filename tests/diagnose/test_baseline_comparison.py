@@ -34,10 +34,7 @@ def test_the_same_device_is_compared_in_everything() -> None:
 
 @pytest.mark.parametrize(
     ("peer", "words"),
-    [
-        (observed(200.0), ["100", "200", "samples a second"]),
-        (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),
-    ],
+    [(observed(200.0), ["100", "200", "samples a second"]), (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"])],
     ids=["rate", "step"],
 )
 def test_of_another_rate_or_step_what_is_slow_is_compared(peer: Recording, words: list[str]) -> None:
@@ -74,7 +71,7 @@ def test_coarser_steps_may_be_an_effect() -> None:
     assert compared_of([observed()], [rests])[0].all()
 
 
-@pytest.mark.long
+@pytest.mark.evaluation
 def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_path: Path) -> None:
     rigs = {
         "before": Rig(base=BASE),

@@ -44,7 +44,7 @@ def only(*kept: str) -> tuple[str, ...]:
 
 
 def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:
-    tried = ("temp_bias", "warmup", "popcorn", "scale_factor", "clock_drift")
+    tried = ("temp_bias", "scale_factor", "clock_drift")
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}
     gap = diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *only(*tried))
     assert gap["verdict"] in {"partly", "unknown"}

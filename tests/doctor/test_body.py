@@ -126,6 +126,7 @@ def sending(number: int, walk_dps_s: float) -> Iterator[None]:
         thread.join()
 
 
+@pytest.mark.long
 def test_two_gyros_are_compared_live(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first, second = free_port(), free_port()
     config = tmp_path / "gyros.yaml"

@@ -109,8 +109,7 @@ CASES = {
         ),
     ),
     "no device clock": Case(
-        (*REST, "--protocol", "witmotion"),
-        (("protocol", "note", "It sends witmotion, which has no device clock"),),
+        (*REST, "--protocol", "witmotion"), (("protocol", "note", "It sends witmotion, which has no device clock"),)
     ),
     "noise and bias beyond the data sheet": Case(
         (*REST, "--rig", RIG),

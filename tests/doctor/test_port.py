@@ -92,10 +92,7 @@ def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest
 
 @pytest.mark.parametrize(
     ("rate_hz", "severity", "says"),
-    [
-        (800, "error", "The line uses 1"),
-        (400, "note", "are 70% of 115200 baud: little is left."),
-    ],
+    [(800, "error", "The line uses 1"), (400, "note", "are 70% of 115200 baud: little is left.")],
 )
 def test_how_full_the_line_is(
     port: Path,
@@ -182,10 +179,7 @@ def test_of_several_ports_that_of_the_gyro_is_taken(
 
 
 def test_the_one_port_there_is_is_taken(
-    port: Path,
-    plugged_in: Callable[..., None],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    port: Path, plugged_in: Callable[..., None], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plugged_in(port)
     monkeypatch.setattr(port_holder, "LOCKS", Path("/nowhere"))

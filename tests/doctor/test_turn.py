@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from turn_support import hand_turn, random_board
 
@@ -39,7 +39,6 @@ def used(spec: str) -> tuple[str | int, Column]:
 
 
 @pytest.mark.promise("Text and units")
-@settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_no_form_gives_a_wrong_column_unit_or_sign(seed: int) -> None:
     """`doctor --turn` never prints a wrong column, unit or sign."""
@@ -71,7 +70,6 @@ NUMBERS = st.one_of(st.floats(-1e19, 1e19), st.sampled_from([0.0, 1.0, 90.0, -1e
 ROWS = st.lists(st.one_of(st.lists(NUMBERS, max_size=4).map(lambda row: ",".join(map(str, row))), st.text(max_size=20)))
 
 
-@settings(max_examples=80, deadline=None)
 @given(ROWS, st.sampled_from([0.0, 0.01, 0.5]), st.floats(0.0, 5.0))
 def test_any_text_is_told_or_asked_about(rows: list[str], step_s: float, turn_s: float) -> None:
     """Lines of anything, also all at once, never fail, and what is to be pasted is a SPEC."""
@@ -156,10 +154,7 @@ REPORT: dict[str, tuple[Lines, str]] = {
         "node=B, gz=rate:dps",
     ),
     "percent of a full scale": (lambda _t, dps, _a, n: f"gz: {0.4 * dps + n(0.04):.2f}", "gz=rate:lsb/0.4"),
-    "an angle that drifts": (
-        lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}",
-        "yaw:deg",
-    ),
+    "an angle that drifts": (lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}", "yaw:deg"),
 }
 
 

@@ -60,27 +60,22 @@ def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1, withheld: I
     return gap
 
 
+@pytest.mark.evaluation
 @pytest.mark.parametrize(
-    ("effect", "parameter", "size", "withheld"),
+    ("effect", "parameter", "size"),
     [
-        ("clock_drift:ppm=2000", "ppm", 2000.0, all_but("clock_drift", "latency", "timestamp_jitter")),
-        *(
-            pytest.param(*case, SLOW, marks=pytest.mark.evaluation)
-            for case in (
-                ("clock_drift:ppm=2000", "ppm", 2000.0),
-                ("spikes:height_dps=50,share_percent=0.1", "share_percent", 0.1),
-                ("latency:delay_ms=20", "delay_ms", 20.0),
-                ("scale_factor:error_percent=1.5", "error_percent", 1.5),
-                ("backlash:play_deg=0.5", "play_deg", 0.5),
-                ("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0),
-            )
-        ),
+        ("clock_drift:ppm=2000", "ppm", 2000.0),
+        ("spikes:height_dps=50,share_percent=0.1", "share_percent", 0.1),
+        ("latency:delay_ms=20", "delay_ms", 20.0),
+        ("scale_factor:error_percent=1.5", "error_percent", 1.5),
+        ("backlash:play_deg=0.5", "play_deg", 0.5),
+        ("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0),
     ],
 )
 def test_a_simulated_effect_is_named_with_its_size(
-    tmp_path: Path, rig: Path, effect: str, parameter: str, size: float, withheld: Iterable[str]
+    tmp_path: Path, rig: Path, effect: str, parameter: str, size: float
 ) -> None:
-    gap = diagnosed(tmp_path, rig, effect, withheld=withheld)
+    gap = diagnosed(tmp_path, rig, effect)
     assert gap["verdict"] in {"effect", "partly"}
     assert names_first_or_tied(gap, effect.partition(":")[0])
     sizes = gap["causes"][0]["parameters"][parameter]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cluster_support import PATIENCE_S, Cluster, candidates, cluster, recorded
+from cluster_support import PATIENCE_S, Cluster, candidates, recorded
 
 from gyrodrift.evaluation import cluster_cost
 from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
@@ -23,13 +23,6 @@ pytest.importorskip("distributed", reason="tuning on a cluster is an extra: pip 
 pytestmark = pytest.mark.xdist_group("cluster")
 
 Sessions = list[tuple[Path, bool]]
-
-
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    """Two workers, for tests that leave the scheduler alive."""
-    with cluster(tmp_path_factory.mktemp("cluster"), 2) as running:
-        yield running
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +69,7 @@ def before_results(cost: ClusterCost, action: Callable[[], None]) -> None:
     cost._workers.results = patched  # type: ignore[method-assign]  # likewise
 
 
-@pytest.mark.parametrize("count", [1, 11, BLOCK + 37])
+@pytest.mark.parametrize("count", [11, BLOCK + 37])
 def test_scores_equal_scores_of_this_process(shared: Cluster, sessions: Sessions, local: Cost, count: int) -> None:
     """Bit for bit and in the order of the sessions, for all sessions and for some."""
     params = candidates(count)
@@ -116,15 +109,15 @@ def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
 def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sessions, local: Cost) -> None:
     params = candidates(BLOCK)
     with ClusterCost(shared.address, sessions) as cost:
-        for _ in range(2):
-            keys_by_address = cost._workers._client.has_what()
-            address, pid = next((address, pid) for address, pid in pids(cost).items() if keys_by_address[address])
-            before_results(cost, lambda pid=pid: os.kill(pid, signal.SIGKILL))  # type: ignore[misc]  # a default
-            assert_same(cost.cost(params), local.cost(params))
-            await_both(cost)
-            assert pids(cost).get(address) != pid
+        keys_by_address = cost._workers._client.has_what()
+        address, pid = next((address, pid) for address, pid in pids(cost).items() if keys_by_address[address])
+        before_results(cost, lambda: os.kill(pid, signal.SIGKILL))
+        assert_same(cost.cost(params), local.cost(params))
+        await_both(cost)
+        assert pids(cost).get(address) != pid
 
 
+@pytest.mark.evaluation
 def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
     shared: Cluster, sessions: Sessions, local: Cost
 ) -> None:

@@ -316,12 +316,7 @@ def test_the_simulated_rig_is_described_as_it_is() -> None:
 
 @pytest.mark.parametrize(
     ("name", "bias_dps", "least_s"),
-    [
-        ("broad_01", 0.47, 65.0),
-        ("broad_06", 0.49, 65.0),
-        ("broad_14", -0.23, 60.0),
-        ("mpu6050_still", 1.12, 650.0),
-    ],
+    [("broad_01", 0.47, 65.0), ("broad_06", 0.49, 65.0), ("broad_14", -0.23, 60.0), ("mpu6050_still", 1.12, 650.0)],
 )
 def test_real_recordings_have_the_rest_that_their_makers_tell(
     name: str, bias_dps: float, least_s: float, recordings: Recordings

@@ -86,10 +86,7 @@ def test_a_config_takes_its_block_and_says_what_changes(constant: Filter, tmp_pa
             "filter: constant\nconstant: {bias_dp: 1}\n",
             ["c.yaml:2:12 constant.bias_dp: is not a key of this file; did you mean bias_dps?"],
         ),
-        (
-            CONFIG.format(bias_dps=11),
-            ["c.yaml:2:12 constant.bias_dps: is 11; expected a number from -10 to 10 deg/s"],
-        ),
+        (CONFIG.format(bias_dps=11), ["c.yaml:2:12 constant.bias_dps: is 11; expected a number from -10 to 10 deg/s"]),
         ("filter: constant\nconstant: 1\n", ["c.yaml:2:1 constant: is 1; expected a block with bias_dps"]),
         (
             "filter: contsant\nhdr: {i_c_dps: 1, tau_s: 1, theta_w_dps: 1, c1: 1, c2: 1}\n",

@@ -165,6 +165,31 @@ def test_a_spin_that_begins_after_a_rest_is_no_drift(spin_dps: float) -> None:
     assert np.abs(yaw_deg - true_deg).max() < 5.0
 
 
+def with_engine(true_dps: Floats, drift_dps: float = 0.0) -> tuple[Floats, Floats, Floats, Floats]:
+    """Ten seconds of rest, then an engine of 0.5 deg/s; times, rates, true yaw, bias of 0.4 deg/s that drifts."""
+    bias_dps = 0.4 + drift_dps * np.linspace(0.0, 1.0, len(true_dps))
+    t_s, rate_dps, true_deg = measured(true_dps, bias_dps)
+    engine = np.random.default_rng(2).normal(0.0, 0.5, len(true_dps))
+    return t_s, rate_dps + engine * (t_s > 10.0), true_deg, bias_dps
+
+
+def test_a_running_engine_is_no_motion() -> None:
+    """Its rest holds yaw while the bias drifts, and follows the drift."""
+    t_s, rate_dps, true_deg, bias_dps = with_engine(np.zeros(30_000), drift_dps=0.1)
+    yaw_deg, sigma_deg, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg).max() < 1.0
+    assert abs(found_dps[-1] - bias_dps[-1]) < 0.03
+    assert sigma_deg[-1] < 10.0
+
+
+@pytest.mark.parametrize("bend_dps", [0.15, 0.3, -1.0])
+def test_an_even_drive_with_a_running_engine_is_no_rest(bend_dps: float) -> None:
+    t_s, rate_dps, true_deg, _ = with_engine(frozen((0.0, 12.0), (bend_dps, 60.0), (-bend_dps, 60.0)))
+    yaw_deg, _, found_dps = estimates(t_s, rate_dps, RestlevelParams())
+    assert np.abs(yaw_deg - true_deg).max() < 1.5
+    assert found_dps[-1] == pytest.approx(0.4, abs=0.02)
+
+
 def test_what_to_make_of_a_spin_from_the_first_sample_is_a_setting() -> None:
     t_s, rate_dps, true_deg = measured(frozen((0.6, 300.0)), 0.0)
     resting, *_ = estimates(t_s, rate_dps, RestlevelParams(still_start=0.99))

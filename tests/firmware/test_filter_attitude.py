@@ -23,7 +23,7 @@ from c_filter_support import (
 from c_restlevel_support import GAP, RESTARTED
 from firmware_support import run
 from hand_motion import hand_motion
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from six_axis_motions import MOTIONS
 from six_axis_support import record
@@ -259,7 +259,6 @@ moves = st.lists(
 
 
 @given(moves=moves)
-@settings(max_examples=15)
 def test_any_samples_are_accepted_as_in_python_and_stay_finite(c_filters: CFilters, moves: list[Any]) -> None:
     """Float and double refuse the samples that Python refuses."""
     rows = [(step, *gyro, *accel, still, nan) for step, gyro, accel, still, count in moves for _ in range(count)]
@@ -324,9 +323,9 @@ def test_any_samples_and_parameters_leave_a_sound_state(tmp_path: Path, real: st
     if shutil.which("cc") is None or not can_sanitize(tmp_path, sanitizers):
         pytest.skip("there is no C compiler with sanitizers")
     program = "./fuzz_attitude"
-    flags = ("-std=c11", "-O1", "-g", sanitizers, "-fno-sanitize-recover=all")
+    flags = ("-std=c11", "-O0", "-g", sanitizers, "-fno-sanitize-recover=all")
     run("cc", *flags, *words("fuzz_attitude.c", real), "-o", program, "-lm", folder=tmp_path)
-    assert run(program, "0", "10", folder=tmp_path) == ""
+    assert run(program, "0", "30", folder=tmp_path) == ""
 
 
 def can_sanitize(folder: Path, sanitizers: str) -> bool:

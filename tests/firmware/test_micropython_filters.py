@@ -171,7 +171,6 @@ def module_in_float32(source: str) -> types.ModuleType:
     return module
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("name", "most_deg"), [("hdr", 0.01), ("restlevel", 0.01)])
 def test_floats_of_32_bits_keep_the_yaw(name: str, most_deg: float) -> None:
     source = (MICROPYTHON / "gyrodrift_hdr.py").read_text() if name == "hdr" else restlevel_py()
@@ -180,7 +179,7 @@ def test_floats_of_32_bits_keep_the_yaw(name: str, most_deg: float) -> None:
     narrow = module.Hdr(**given) if name == "hdr" else module.Restlevel(**given)
     kind = FILTERS[name]
     coefficients, state = kind.coefficients(kind.params(**PARAMS[name])), kind.state()
-    t_s, rates, _ = rates_dps(300.0)
+    t_s, rates, _ = rates_dps(100.0)
     apart = 0.0
     for t, rate in zip(t_s, rates, strict=True):
         narrow.update_us(round(t * 1e6), Float32(rate))

@@ -46,12 +46,8 @@ KINDS: dict[str, list[dict[str, Any]]] = {
     "sine": [{"kind": "sine", "seconds": 2.5, "amplitude_dps": 60.0, "frequency_hz": 0.3}],
     "steps": [{"kind": "steps", "rates_dps": [30.0, -90.0, 10.0], "ramp_seconds": 0.5, "hold_seconds": 2.0}],
     "chirp": [{"kind": "chirp", "seconds": 8.0, "amplitude_dps": 30.0, "from_hz": 0.1, "to_hz": 1.0}],
-    "multisine": [
-        {"kind": "multisine", "seconds": 8.0, "rms_dps": 10.0, "from_hz": 0.2, "to_hz": 2.0, "tones": 8},
-    ],
-    "drive": [
-        {"kind": "drive", "minutes": 2.0, "rms_dps": 6.0, "curve_seconds": 6.0, "rest_share": 0.3, "seed": 1},
-    ],
+    "multisine": [{"kind": "multisine", "seconds": 8.0, "rms_dps": 10.0, "from_hz": 0.2, "to_hz": 2.0, "tones": 8}],
+    "drive": [{"kind": "drive", "minutes": 2.0, "rms_dps": 6.0, "curve_seconds": 6.0, "rest_share": 0.3, "seed": 1}],
 }
 
 

@@ -203,7 +203,7 @@ def test_every_byte_arrives_unchanged(device: PtyDevice) -> None:
         assert port.read(512) == ALL_BYTES * 2
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=30)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.binary(min_size=1, max_size=300), min_size=1, max_size=10))
 def test_any_bytes_arrive_unchanged(tmp_path_factory: pytest.TempPathFactory, contents: list[bytes]) -> None:
     with speaking_on(tmp_path_factory.mktemp("any") / "gyro") as device, pyserial_on(device) as port:

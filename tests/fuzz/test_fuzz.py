@@ -39,7 +39,7 @@ def test_what_is_kept_breaks_nothing(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 1 << 32), content=st.one_of(st.none(), st.binary(max_size=400)))
 def test_what_chance_makes_breaks_nothing(name: str, seed: int, content: bytes | None) -> None:
     assert_target_holds(name, mutated(name, SEEDS[name], Random(seed)) if content is None else content)

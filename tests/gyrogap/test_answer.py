@@ -66,10 +66,7 @@ def test_a_cause_can_be_named_beside_an_unknown_part() -> None:
             {"causes": [{"effect": "latency", "probability": 1, "parameters": {"delay": 8}}]},
             "latency has no parameter 'delay'; it has delay_ms",
         ),
-        (
-            {"causes": [{"effect": "latency", "probability": 0.5}] * 2, "none": 0, "unknown": 0},
-            "names an effect twice",
-        ),
+        ({"causes": [{"effect": "latency", "probability": 0.5}] * 2, "none": 0, "unknown": 0}, "names an effect twice"),
     ],
 )
 def test_a_malformed_answer_is_an_error_that_names_the_file(stated: Any, message: str) -> None:

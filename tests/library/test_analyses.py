@@ -91,11 +91,7 @@ def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, mon
 @pytest.mark.parametrize(
     ("call", "kind", "statement"),
     [
-        (
-            lambda index: tune(index, filter="kalman"),
-            UsageError,
-            "'kalman': there is no such filter; there are hdr",
-        ),
+        (lambda index: tune(index, filter="kalman"), UsageError, "'kalman': there is no such filter; there are hdr"),
         (lambda index: tune(index, method="luck"), UsageError, "'luck': there is no such method"),
         (lambda index: tune(index, seeds=()), UsageError, "at least one"),
         (lambda index: tune(index, iterations=0), UsageError, "iterations 0: expected a whole number from 1"),

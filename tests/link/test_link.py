@@ -140,14 +140,7 @@ def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> Non
         host.now_s += host.link.wake_s() + 0.001
         host.link.read()
         after = host.hear(device, islice(spoken("native"), 50))
-    assert host.names() == [
-        "link_open",
-        "protocol_found",
-        "device",
-        "link_lost",
-        "link_restored",
-        "device_reset",
-    ]
+    assert host.names() == ["link_open", "protocol_found", "device", "link_lost", "link_restored", "device_reset"]
     gone_s = host.told[4][1]["gone_s"]
     assert 4.0 <= gone_s <= 6.0
     assert host.link.counters.gone_s == pytest.approx(gone_s, abs=1e-3)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pynmeagps import GET, NMEAMessage
 from sources_support import Host
@@ -272,7 +272,6 @@ def test_two_frames_are_too_few(name: str) -> None:
 
 @pytest.mark.promise("Text and units")
 @given(st.binary(max_size=3000))
-@settings(max_examples=200)
 def test_random_bytes_are_none_of_them(noise: bytes) -> None:
     """Random bytes are not taken for a known protocol."""
     assert spoken(noise) is None

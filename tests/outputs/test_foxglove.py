@@ -3,7 +3,6 @@
 import json
 import os
 import socket
-import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, cast
@@ -11,7 +10,7 @@ from typing import Any, cast
 import pytest
 from clients_support import fed, node_client
 from outputs_support import address_of, corrected, csv_at_100_hz, events, hub, serving, tilted
-from support import PATIENCE_S, never
+from support import PATIENCE_S, awaited, never
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
@@ -238,10 +237,7 @@ def read_to(client: ClientConnection, last: int) -> tuple[list[int], int]:
 
 def client_of(control: Path) -> dict[str, Any]:
     """The only client, as `ctl status` has it once something was dropped for it."""
-    until_s = time.monotonic() + PATIENCE_S
     with ControlClient(control, PATIENCE_S) as service:
-        while not (output := service.ask("status")["outputs"][0])["dropped"]:
-            assert time.monotonic() < until_s, output
-            time.sleep(0.1)
+        output = awaited(lambda: service.ask("status")["outputs"][0], lambda heard: heard["dropped"])
     (client,) = output["clients"]
     return dict(client)

@@ -63,10 +63,7 @@ def watching(client: Reader) -> None:
 def test_a_watcher_gets_devices_and_policy_and_then_reports(outputs: HubThread, client: Reader) -> None:
     """ATT has gpsd's names, units and signs; GYRO has everything with ours."""
     ask(client, WATCH)
-    assert client.json() == {
-        "class": "DEVICES",
-        "devices": [{"class": "DEVICE", "path": "gyrodrift", "activated": 0}],
-    }
+    assert client.json() == {"class": "DEVICES", "devices": [{"class": "DEVICE", "path": "gyrodrift", "activated": 0}]}
     policy = client.json()
     assert policy["class"] == "WATCH"
     assert policy["enable"]

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from gyrodrift.outputs.health import Health, HealthLevel, health
-from gyrodrift.outputs.status import DeviceStatus, LinkStatus, OutputStatus, ServiceStatus
+from gyrodrift.outputs.status import DeviceStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus, aid_text
 
 GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=1000, rate_hz=100.0))
 
@@ -26,6 +26,17 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
         "The rate is 100.0 Hz; the device states 50 Hz.",
     ]
     assert statement[0].level is HealthLevel.BAD
+
+
+def test_a_second_source_that_contradicts_is_told() -> None:
+    aids = {
+        "course": {"age_s": 1.0, "weight": 0.0, "differs": "it differs by 23 deg"},
+        "speed": {"age_s": 0.2, "weight": 1.0, "differs": None},
+    }
+    (statement,) = health(replace(GOOD, filter=FilterStatus(aids=aids)))
+    assert statement.level is HealthLevel.NOTE
+    assert statement.says == "The second source course contradicts the gyro and is left out: it differs by 23 deg."
+    assert [aid_text(aid) for aid in aids.values()] == ["left out", "0.2 s ago, 100% agree"]
 
 
 def test_a_link_that_says_nothing_is_bad() -> None:

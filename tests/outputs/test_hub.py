@@ -4,7 +4,6 @@ import json
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 
 import pytest
 from outputs_support import HubThread, Reader, connected, corrected, hub
-from support import PATIENCE_S
+from support import PATIENCE_S, awaited
 
 from gyrodrift import __version__
 from gyrodrift.outputs.fields import CHOICES, OF_EVERY_DEVICE
@@ -144,9 +143,7 @@ def test_a_crowd_leaves_room_for_who_was_there(outputs: HubThread, tcp: Address,
         assert clients[-1].line() == b""
         outputs.samples([corrected(1)])
         assert first.until("SAMPLE")["seq"] == 1
-        until_s = time.monotonic() + PATIENCE_S
-        while (status := outputs.statuses()[0]).client_count != 64:
-            assert time.monotonic() < until_s, status
+        status = awaited(lambda: outputs.statuses()[0], lambda heard: heard.client_count == 64)
         assert len(status.clients) == MOST_CLIENTS
     closed = [item for item in logged if item["event"].startswith("client")]
     assert closed[0]["reason"] == "there are 64 clients already"
@@ -277,9 +274,7 @@ def test_a_status_that_fails_is_a_problem_of_its_output_alone(
         raise UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte")
 
     monkeypatch.setattr(UdpOutput, "clients", clients)
-    until_s = time.monotonic() + PATIENCE_S
-    while "UnicodeDecodeError" not in (statuses := outputs.statuses())[1].problem:
-        assert time.monotonic() < until_s, statuses
+    statuses = awaited(outputs.statuses, lambda heard: "UnicodeDecodeError" in heard[1].problem)
     assert statuses[0].address
     with connected(tcp) as client:
         client.until("HELLO")

@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +13,7 @@ import pytest
 from broker_support import broker, certificate, need_mosquitto, needs_openssl
 from clients_support import python_client
 from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving, tilted
-from support import PATIENCE_S, free_port, never
+from support import PATIENCE_S, awaited, free_port, never
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs.home_assistant import Topics, discovery
@@ -134,9 +133,7 @@ def test_who_subscribes_after_the_kill_learns_it_from_the_retained_last_will(
         (child,) = Path(f"/proc/{serve.process.pid}/task/{serve.process.pid}/children").read_text().split()
         serve.process.send_signal(signal.SIGSTOP)
         os.kill(int(child), signal.SIGKILL)
-        until_s = time.monotonic() + PATIENCE_S
-        while (result := heard(number, AVAILABILITY, 1)) != ["1 offline"]:
-            assert time.monotonic() < until_s, result
+        awaited(lambda: heard(number, AVAILABILITY, 1), lambda states: states == ["1 offline"])
 
 
 def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from outputs_support import (
     serving,
     tilted,
 )
-from support import PATIENCE_S, free_port, near, never
+from support import PATIENCE_S, awaited, free_port, near, never
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
@@ -162,10 +162,7 @@ def test_who_forges_values_on_the_robots_server_is_told(port: Path, tmp_path: Pa
             until(forging, joined=True)
             serve.until(lambda it: bool(events(it, "topic_forged")), "who it is")
             assert events(serve, "topic_forged")[0]["clients"][0].partition("@")[0] == "forger"
-            until_s = time.monotonic() + PATIENCE_S
-            while not (report := service.ask("status")["outputs"][0]["warning"]):
-                assert time.monotonic() < until_s
-                time.sleep(0.05)
+            report = awaited(lambda: service.ask("status")["outputs"][0]["warning"])
             assert report.startswith("values are forged on the robot's server, by forger")
         serve.until(lambda it: bool(events(it, "topic_ours_again")), "that it is over")
 
@@ -244,9 +241,7 @@ def test_a_device_with_one_axis_has_no_rotation(tmp_path: Path) -> None:
 
 
 def names_in_use(outputs: HubThread, count: int) -> list[str]:
-    until_s = time.monotonic() + PATIENCE_S
-    while len(clients := outputs.statuses()[0].clients) != count:
-        assert time.monotonic() < until_s, clients
+    clients = awaited(lambda: outputs.statuses()[0].clients, lambda heard: len(heard) == count)
     return [item.peer.rpartition(" ")[0] for item in clients]
 
 

@@ -24,7 +24,12 @@ from prometheus_client.parser import text_string_to_metric_families
 
 STATUS = ServiceStatus(
     link=LinkStatus(port="/dev/gyro", is_open=True, samples=1234, jitter_ms=2.5, rate_hz=100.0),
-    filter=FilterStatus("restlevel", yaw_deg=12.5, bias_dps=-0.25),
+    filter=FilterStatus(
+        "restlevel",
+        yaw_deg=12.5,
+        bias_dps=-0.25,
+        aids={"gps.course": {"age_s": 1.5, "weight": None, "differs": None}},
+    ),
     outputs=(OutputStatus("tcp", "127.0.0.1:7117", "", (), 2, 99, 3), OutputStatus('udp:host="x"', problem="no")),
 )
 
@@ -40,6 +45,11 @@ def page() -> Iterator[str]:
         while "gyrodrift_link_samples_total 1234.0" not in fetched(url):
             assert time.monotonic() < until_s, fetched(url)
         yield url
+
+
+def test_a_second_source_has_its_age(page: str) -> None:
+    assert 'gyrodrift_aid_age_seconds{name="gps.course"} 1.5' in fetched(page)
+    assert "gyrodrift_aid_weight_ratio{" not in fetched(page)
 
 
 def test_the_yaw_of_the_device_is_a_gauge_where_it_sends_one(page: str) -> None:

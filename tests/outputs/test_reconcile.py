@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import structlog
 from outputs_support import HubThread, hub
-from support import PATIENCE_S, free_port
+from support import PATIENCE_S, awaited, free_port
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs import running
@@ -73,7 +73,6 @@ def test_after_a_thousand_random_reloads_exactly_the_last_config_is_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """After a thousand random reloads, exactly the outputs of the last config are open."""
-    monkeypatch.setattr("gyrodrift.outputs.hub.REPORT_S", 0.02)
     random, ports, rest = Random(SEED), [free_port() for _ in range(6)], listened_on()
     with hub() as outputs, ExitStack() as clients:
         first = [output_of(f"{kind}:port={port}") for kind, port in zip(KINDS, ports, strict=False)]
@@ -93,13 +92,14 @@ def test_after_a_thousand_random_reloads_exactly_the_last_config_is_open(
         outputs.want(*(last := random_config(random, ports, tmp_path)))
         settled(outputs, last)
         clients.close()
-        assert until_equal(listened_on, rest | {spec.options.port for spec in last if spec.name != "unix"})
+        expected = rest | {spec.options.port for spec in last if spec.name != "unix"}
+        awaited(listened_on, lambda ports: ports == expected)
         assert {path.name for path in tmp_path.iterdir()} == {
             Path(spec.options.path).name for spec in last if spec.name == "unix"
         }
         outputs.want()
         settled(outputs, [])
-        assert until_equal(descriptors, before)
+        awaited(descriptors, lambda count: count == before)
         assert listened_on() == rest
 
 
@@ -108,14 +108,6 @@ def connect_to_one(random: Random, desired: list[OutputSpec], clients: ExitStack
     ports = [spec.options.port for spec in desired if spec.name != "unix"]
     if ports:
         clients.enter_context(socket.create_connection(("127.0.0.1", random.choice(ports)), PATIENCE_S))
-
-
-def until_equal(measure: Any, expected: Any) -> bool:
-    until_s = time.monotonic() + PATIENCE_S
-    while (result := measure()) != expected:
-        assert time.monotonic() < until_s, (result, expected)
-        time.sleep(0.05)
-    return True
 
 
 def until_steady(measure: Any) -> Any:
@@ -164,7 +156,7 @@ def test_an_output_that_is_wanted_again_while_it_goes_comes_back(
             outputs.want()
         outputs.want(spec)
         settled(outputs, [spec])
-        assert until_equal(listened_on, rest | {port})
+        awaited(listened_on, lambda ports: ports == rest | {port})
     assert [item for item in logged if item["event"] == "output_failed"] == []
 
 
@@ -178,9 +170,7 @@ def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
     monkeypatch.setattr(OUTPUTS["gpsd"].output, "__init__", broken)
     with hub() as outputs:
         outputs.want("gpsd:port=0", "tcp:port=0")
-        until_s = time.monotonic() + PATIENCE_S
-        while not any(statuse.address for statuse in outputs.statuses()):
-            assert time.monotonic() < until_s
+        awaited(lambda: any(statuse.address for statuse in outputs.statuses()))
         monkeypatch.undo()
         outputs.opened(2)
     assert [item["reason"] for item in logged if item["log_level"] == "error"] == ["ImportError: no such library"]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from clients_support import fed, node_client, python_client
-from outputs_support import AXES, HubThread, address_of, corrected, hub, serving, tilted
+from outputs_support import AXES, WITHOUT_BIAS, HubThread, address_of, corrected, hub, serving, tilted
 from websockets.sync.client import ClientConnection, connect
 
 Rosbridge = tuple[HubThread, ClientConnection]
@@ -20,7 +20,7 @@ Rosbridge = tuple[HubThread, ClientConnection]
 def bridged(options: str = "") -> Iterator[Rosbridge]:
     with (
         hub(f"rosbridge:port=0{options}") as outputs,
-        connect(f"ws://{outputs.address}", compression=None) as client,
+        connect(f"ws://{outputs.address}", compression=None, close_timeout=0.1) as client,
     ):
         yield outputs, client
 
@@ -255,8 +255,15 @@ def test_who_does_not_read_is_told_how_much_it_missed() -> None:
         assert "messages dropped: this client reads too slowly" in message["msg"]
 
 
-def test_roslibpy_is_a_client(port: Path) -> None:
-    with serving(port, "--output", "rosbridge:port=0,ros=ros1") as (serve, device):
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    path = tmp_path / "c.yaml"
+    path.write_text(WITHOUT_BIAS)
+    return path
+
+
+def test_roslibpy_is_a_client(port: Path, config: Path) -> None:
+    with serving(port, "--config", config, "--output", "rosbridge:port=0,ros=ros1") as (serve, device):
         host, number = address_of(serve, "rosbridge")
         statement = fed(python_client("roslibpy", "rosbridge_client.py", host, str(number), "25"), serve, device)
     assert statement["topics"] == {"/imu/data": "sensor_msgs/Imu"}
@@ -271,8 +278,8 @@ def test_roslibpy_is_a_client(port: Path) -> None:
     assert statement["messages"][-1]["angular_velocity"]["z"] == pytest.approx(radians(10.0), rel=0.05)
 
 
-def test_roslib_is_a_client(port: Path) -> None:
-    with serving(port, "--output", "rosbridge:port=0") as (serve, device):
+def test_roslib_is_a_client(port: Path, config: Path) -> None:
+    with serving(port, "--config", config, "--output", "rosbridge:port=0") as (serve, device):
         host, number = address_of(serve, "rosbridge")
         statement = fed(node_client("roslib", "rosbridge.mjs", f"ws://{host}:{number}"), serve, device)
     assert statement["topics"] == {"values": {"topics": ["/imu/data"], "types": ["sensor_msgs/msg/Imu"]}}

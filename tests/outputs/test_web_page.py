@@ -12,14 +12,7 @@ from browser_support import Tab, browsing
 from outputs_support import HubThread, corrected, csv_at_100_hz, hub, path_of, serving, tilted, with_own_yaw
 from support import Command, never
 
-from gyrodrift.outputs.status import (
-    ClientStatus,
-    ConfigStatus,
-    DeviceStatus,
-    LinkStatus,
-    OutputStatus,
-    ServiceStatus,
-)
+from gyrodrift.outputs.status import ClientStatus, ConfigStatus, DeviceStatus, LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.session.files import load_session
 
 pytestmark = pytest.mark.xdist_group("browser")

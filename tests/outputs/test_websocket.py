@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from gyrodrift.outputs.net.limits import Allowance, Limits
-from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import Port
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.registry import OutputKind, register, unregister
@@ -30,7 +30,7 @@ class EchoOptions:
     port: Port = 0
 
 
-class EchoSession:
+class EchoSession(WebSocketSession):
     """`alive` has the clients that something still holds."""
 
     alive: ClassVar[WeakSet[WebSocketClient]] = WeakSet()
@@ -46,9 +46,6 @@ class EchoSession:
 
     def dropped(self, messages: int) -> str:
         return f"missed {messages}"
-
-    def closed(self) -> None:
-        """Nothing is kept."""
 
 
 class EchoOutput(Output[EchoOptions]):

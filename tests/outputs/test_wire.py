@@ -11,14 +11,18 @@ from outputs_support import corrected, tilted, with_own_yaw
 
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.status import ServiceStatus
+from gyrodrift.values.aid import AidStatus
 from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 number = st.floats(allow_nan=False)
 inertial = st.none() | st.builds(Inertial, *[number] * 6)
 attitude = st.none() | st.builds(Attitude, *[number] * 11)
 device_yaw = st.none() | st.builds(DeviceYaw, *[number] * 3)
-sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial, device_yaw)
-batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude, *[number] * 4), max_size=5)
+sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial, device_yaw, st.just(()))
+aids = st.none() | st.dictionaries(
+    st.text(max_size=9), st.builds(AidStatus, number, st.just(nan), st.just("")), min_size=1
+)
+batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude, *[number] * 4, aids), max_size=5)
 
 
 @given(batch)
@@ -40,7 +44,7 @@ def test_one_axis_has_the_short_record() -> None:
     """Samples of one axis keep their short record on the way to the outputs."""
     level = corrected(7)
     message = wire.pack_samples([level])
-    assert message == b"S" + Struct("<q19d").pack(*level.sample[:7], *level[1:11], *level[13:])
+    assert message == b"S" + Struct("<q19d").pack(*level.sample[:7], *level[1:11], *level[13 : wire.AIDS])
 
 
 def test_a_missing_acceleration_is_not_missing_axes() -> None:

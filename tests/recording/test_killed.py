@@ -164,10 +164,7 @@ def test_raw_bytes_of_a_killed_recording_are_what_was_said(tmp_path: Path) -> No
     """Byte for byte, as far as they go."""
     port = tmp_path / "gyro"
     lines = b"".join(b"%d,0.5\n" % (i * 1000) for i in range(3000))
-    with (
-        speaking_on(port) as device,
-        Command("record", "--port", port, "--out", tmp_path / "out", "--raw") as record,
-    ):
+    with speaking_on(port) as device, Command("record", "--port", port, "--out", tmp_path / "out", "--raw") as record:
         device.wait_for_reader(never)
         device.send_all(lines, never)
         device.drain(never)

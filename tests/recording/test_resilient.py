@@ -31,12 +31,6 @@ def disks_at_rest() -> Iterator[None]:
 
 
 @pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
-@pytest.fixture
 def link(tmp_path: Path, logged: list[Any]) -> Iterator[Link]:
     with speaking_on(tmp_path / "gyro"):
         link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(structlog.get_logger()))

@@ -50,8 +50,7 @@ def test_the_mean_of_nothing_is_no_number() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "label"),
-    [(100.0, "100"), (0.01, "0.01"), (1e6, "10⁶"), (1e-6, "10⁻⁶"), (2e4, "2·10⁴"), (0.0, "0")],
+    ("value", "label"), [(100.0, "100"), (0.01, "0.01"), (1e6, "10⁶"), (1e-6, "10⁻⁶"), (2e4, "2·10⁴"), (0.0, "0")]
 )
 def test_labels_of_factors_can_be_read(value: float, label: str) -> None:
     assert factor_label(value) == label

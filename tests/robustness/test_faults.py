@@ -17,8 +17,7 @@ DESTROYED = {
 @pytest.mark.promise("Samples")
 @pytest.mark.promise("Samples", "no wrong sample passes the CRC, except by chance: 1 in 65 536 damaged frames")
 @pytest.mark.promise(
-    "Samples",
-    "under faults, yaw stays within 1 degree of the run without them, except for turns while no sample came",
+    "Samples", "under faults, yaw stays within 1 degree of the run without them, except for turns while no sample came"
 )
 @pytest.mark.promise("Recovery", "after damage, resets and outages, samples continue within 1 s of device time")
 @pytest.mark.parametrize("name", STRENGTHS)
@@ -52,17 +51,16 @@ def test_a_damaged_hello_and_a_rate_that_changes_amid_damage_cost_no_sample(faul
     assert run("native", faults).broken_promises() == []
 
 
-DRAWN, PARTS = 24, 3
+DRAWN = 8
 """Pairs of faults that are tried; `make faults` tries all."""
 
 
 @pytest.mark.promise("Samples")
-@pytest.mark.parametrize("part", range(PARTS))
-def test_no_two_faults_at_once_break_a_promise_of_the_checked_protocol(part: int) -> None:
-    """The service loses no intact native frame under any two faults (24 of 1224 pairs; `make faults` runs all)."""
+def test_no_two_faults_at_once_break_a_promise_of_the_checked_protocol() -> None:
+    """The service loses no intact native frame under any two faults (8 of 1224 pairs; `make faults` runs all)."""
     date = os.environ.get("GYRODRIFT_FAULT_DATE") or datetime.now(tz=UTC).date().isoformat()
     seed = int(date.replace("-", ""))
-    rows = [run("native", pair, seed) for pair in pairs(DRAWN, seed)[part::PARTS]]
+    rows = [run("native", pair, seed) for pair in pairs(DRAWN, seed)]
     broken = [(row.name, row.broken_promises()) for row in rows if row.broken_promises()]
     assert broken == [], f"GYRODRIFT_FAULT_DATE={date}"
 

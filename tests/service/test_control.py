@@ -114,7 +114,7 @@ def test_stop_ends_the_service(service: Controlled) -> None:
 
 
 MISTAKES = {
-    b"fly\n": "'fly' is no command; the commands are zero, heading DEG, rest 0|1|auto, rate HZ, record start|stop, ",
+    b"fly\n": "'fly' is no command; the commands are zero, heading DEG [--sigma DEG], turn-rate DPS --sigma DPS, rest",
     b"\n": "'' is no command",
     b"heading\n": "expected heading DEG, clockwise from north",
     b"heading nan\n": "expected heading DEG, clockwise from north",

@@ -101,10 +101,7 @@ def test_yaws_that_belong_to_no_sample_are_counted_in_the_log(port: Path) -> Non
 
 def test_a_terminal_shows_both_yaws_and_their_difference(port: Path) -> None:
     """Our yaw stays 0, that of the device turns."""
-    with (
-        speaking_on(port) as device,
-        Terminal(*ours("serve", "--port", port), columns=160, rows=24) as terminal,
-    ):
+    with speaking_on(port) as device, Terminal(*ours("serve", "--port", port), columns=160, rows=24) as terminal:
         device.wait_for_reader(never)
         device.send_all(frames(21), never)
         terminal.until(lambda it: "device +10.00 ± 0.25 deg, difference -10.00" in it.text, "both yaws")

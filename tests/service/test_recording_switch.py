@@ -119,10 +119,7 @@ def refusal_of_start(control: Path) -> str:
 def test_a_recording_is_started_twice_and_stopped_twice(port: Path, tmp_path: Path) -> None:
     """`ctl record start` and `stop` twice give the same file, and none."""
     control, out = tmp_path / "control", tmp_path / "sessions"
-    with (
-        speaking_on(port) as device,
-        Command("serve", "--port", port, "--control", control, "--record", out) as serve,
-    ):
+    with speaking_on(port) as device, Command("serve", "--port", port, "--control", control, "--record", out) as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(csv_line(10_000 * i, i / 4.0, None, None) for i in range(100)), never)
         serve.take_lines(100)

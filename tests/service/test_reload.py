@@ -3,7 +3,6 @@
 import os
 import signal
 import socket
-import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any
 
 import pytest
 from outputs_support import Reader, csv_at_100_hz, serving
-from support import PATIENCE_S, Command, never
+from support import PATIENCE_S, Command, awaited, never
 
 from gyrodrift.service.control_client import ControlClient
 
@@ -38,10 +37,7 @@ class Followed:
 
     def stopped_reading(self) -> int:
         """The process that reads the config, which does nothing any more."""
-        until_s = time.monotonic() + PATIENCE_S
-        while (pid := _reading_of(self.serve.process.pid)) is None:
-            assert time.monotonic() < until_s
-            time.sleep(0.001)
+        pid = awaited(lambda: _reading_of(self.serve.process.pid))
         os.kill(pid, signal.SIGSTOP)
         return pid
 
@@ -136,10 +132,7 @@ def test_no_reading_outlives_the_service(followed: Followed, stop: signal.Signal
         assert followed.serve.stop(stop) == (0 if stop == signal.SIGTERM else -stop)
         with suppress(ProcessLookupError):
             os.kill(reading, signal.SIGCONT)  # it may have been stopped before it could ask for its end
-    until_s = time.monotonic() + PATIENCE_S
-    while not _is_gone(reading):
-        assert time.monotonic() < until_s
-        time.sleep(0.01)
+    awaited(lambda: _is_gone(reading))
 
 
 def _is_gone(pid: int) -> bool:

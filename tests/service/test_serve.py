@@ -23,7 +23,8 @@ from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.link.protocols.registry import listed
+from gyrodrift.link.protocols.registry import detected_names
+from gyrodrift.service.control_client import ControlClient
 
 RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"
@@ -293,17 +294,20 @@ def test_a_reader_that_has_enough_ends_it_without_noise(port: Path) -> None:
     assert (out.count(b"\n"), error, shell.returncode) == (1, b"", 0)
 
 
-def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
-    with speaking_on(port) as device, Command("serve", "--port", port, "--log-format", "json") as serve:
+def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path, tmp_path: Path) -> None:
+    words, count = ("serve", "--port", port, "--log-format", "json", "--control", tmp_path / "control"), 50_000
+    with speaking_on(port) as device, Command(*words) as serve:
         device.wait_for_reader(never)
-        device.send_all(b"".join(b"%d,0.25\n" % (i * 1000) for i in range(100_000)), never)
-        device.drain(never)
+        device.send_all(b"".join(b"%d,0.25\n" % (i * 1000) for i in range(count)), never)
+        with ControlClient(tmp_path / "control", PATIENCE_S) as control:
+            while control.ask("status")["link"]["samples"] < count:
+                pass
         serve.process.send_signal(signal.SIGTERM)
         serve.end()
     stats = json.loads(serve.log.splitlines()[-1])
-    assert stats["samples"] == 100_000
+    assert stats["samples"] == count
     assert stats["lines_dropped"] > 0
-    assert stats["lines_dropped"] + len(serve.all_lines()) == 100_000
+    assert stats["lines_dropped"] + len(serve.all_lines()) == count
 
 
 @pytest.mark.parametrize(
@@ -324,11 +328,7 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
         (["--port", "{port}", "--rate", "0"], 2, "gyrodrift: --rate 0: expected a number above 0"),
         (["--port", "{port}", "--timeout", "0.3"], 3, "gyrodrift: {port}: the device sent nothing within 0.3 s"),
         (["--port", "{port}", "--config", "nowhere.yaml"], 2, "gyrodrift: nowhere.yaml:1:1 cannot be read"),
-        (
-            ["--port", "{port}", "--config", "c.yaml", "--filter", "hdr"],
-            2,
-            "gyrodrift: serve: argument --filter:",
-        ),
+        (["--port", "{port}", "--config", "c.yaml", "--filter", "hdr"], 2, "gyrodrift: serve: argument --filter:"),
         (["--port"], 2, "gyrodrift: serve: argument --port: expected one argument"),
         ([], 2, "gyrodrift: serve: the following arguments are required: --port"),
     ],
@@ -351,7 +351,7 @@ def test_random_bytes_end_with_the_advice_to_check_the_baud_rate(port: Path) -> 
         while serve.process.poll() is None and device.send_all(random.randbytes(100), never):
             serve._read(0.01)
         assert serve.end() == 3
-    assert f"no {listed()} frame at 9600 baud; the baud rate may be wrong" in serve.log
+    assert f"no {detected_names()} frame at 9600 baud; the baud rate may be wrong" in serve.log
 
 
 def test_the_log_goes_to_stderr_and_only_samples_to_stdout(port: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 from sources_support import lines, serving
 from support import PATIENCE_S, Command, free_port
 
+from gyrodrift.columns.fields import checksum
 from gyrodrift.session.files import load_session
 
 
@@ -60,6 +61,42 @@ def until_both(serve: Command, count: int) -> list[dict[str, Any]]:
         lambda serve: min(len(of(serve.all_lines(), name)) for name in ("left", "right")) >= count, f"{count} lines"
     )
     return serve.all_lines()
+
+
+def sentence(body: str) -> bytes:
+    """NMEA sentence with its checksum."""
+    return f"${body}*{checksum(body):02X}\r\n".encode()
+
+
+def test_a_receiver_aids_a_gyro(tmp_path: Path) -> None:
+    """RMC sentences on a link of their own join the samples of the gyro, which names their ages."""
+    gyro_port, gps_port = free_port(), free_port()
+    path = config(tmp_path, imu=udp(gyro_port), gps=udp(gps_port, "aids: imu, late: 0.1"))
+    with sending(gyro_port), Command("serve", "--config", path, "--record", tmp_path / "out") as serve:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+            serve.until(lambda it: len(it.all_lines()) > 5, "samples")
+            receiver.sendto(sentence("GPRMC,120000,V,,,,,1.0,80.0,,,"), ("127.0.0.1", gps_port))
+            receiver.sendto(sentence("GPRMC,120000,A,4800.0,N,01100.0,E,2.0,87.5,010126,,"), ("127.0.0.1", gps_port))
+            serve.until(lambda it: bool(it.all_lines()) and "aids" in it.all_lines()[-1], "aids")
+            (line,) = serve.all_lines()[-1:]
+        assert serve.stop() == 0
+    assert set(line["aids"]) == {"gps.speed", "gps.course"}
+    (recorded,) = (tmp_path / "out" / "imu").glob("*.mcap")
+    aids = {aid.name: aid for _, aid in load_session(recorded).aids or ()}
+    assert aids["gps.course"].value == -87.5
+    assert aids["gps.course"].speed == pytest.approx(2 * 1852 / 3600)
+
+
+def test_a_second_source_needs_its_gyro(tmp_path: Path) -> None:
+    path = config(tmp_path, imu=udp(1), gps=udp(2, "aids: gyro, filter: hdr, columns: 'v=speed:ly'"))
+    with Command("serve", "--config", path) as serve:
+        assert serve.end() == 2
+    for message in ("sources.gps.filter: is not", "'ly' is not a unit of speed"):
+        assert message in serve.log
+    path = config(tmp_path, imu=udp(1), gps=udp(2, "aids: gyro"))
+    with Command("serve", "--config", path) as serve:
+        assert serve.end() == 2
+    assert "sources.gps.aids: is 'gyro' (text); expected one of imu" in serve.log
 
 
 def test_each_source_has_its_filter_its_recording_and_its_name(tmp_path: Path) -> None:

@@ -58,10 +58,7 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
             "t_device_s,rate_dp\n0,1\n",
             "s.csv:1: column 2 is 'rate_dp'; did you mean rate_dps? columns are t_device_s, t_host",
         ),
-        (
-            "t_device_s,speed\n0,1\n",
-            "s.csv:1: its header does not say which column is the rate and in which unit",
-        ),
+        ("t_device_s,speed\n0,1\n", "s.csv:1: its header does not say which column is the rate and in which unit"),
         ("0,1\n1,2\n", "s.csv: it has no header, so nothing says which column is the rate and in which unit"),
         ("# x\nt_device_s,temp_c\n0,1\n", "s.csv:2: its header does not say which column is the rate"),
         ("t_device_s,rate_dps,rate_dps\n0,1,1\n", "s.csv:1: column rate_dps occurs twice"),

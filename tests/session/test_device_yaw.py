@@ -110,10 +110,7 @@ def test_every_format_keeps_the_columns(tmp_path: Path, ending: str) -> None:
 def test_json_messages_keep_the_columns(tmp_path: Path) -> None:
     session, path = session_of("a", samples(50)), tmp_path / "b.mcap"
     write_json(path, [session])
-    assert_array_equal(
-        list(own_columns(read_foreign(path)).values()),
-        list(own_columns(session).values()),
-    )
+    assert_array_equal(list(own_columns(read_foreign(path)).values()), list(own_columns(session).values()))
 
 
 def test_a_session_without_any_yaw_has_no_columns(tmp_path: Path) -> None:

@@ -8,7 +8,8 @@ import pytest
 from firmware_sim.rig import load_rig
 from gyrodrift.cli import main
 from gyrodrift.session.files import load_session
-from gyrodrift.simulation.hard_cases import CASES, STILL_S, Case, simulation
+from gyrodrift.simulation.hard_cases import CASES, Case, simulation
+from gyrodrift.simulation.hard_motions import STILL_S
 
 BY_NAME = {case.name: case for case in CASES}
 

@@ -72,11 +72,7 @@ def test_a_parameter_that_changes_nothing_is_told() -> None:
         (Pi(1.0, 1.0), Pi(100.0, 100.0), ""),
         (Pi(1.0, None), Pi(100.0, None), ""),
         (Pi(1.0, 3.9), Pi(100.0, 100.0), ""),
-        (
-            Pi(1.0, 4.1),
-            Pi(100.0, 100.0),
-            "held-out sessions are much worse than training sessions, 2.02 against 1",
-        ),
+        (Pi(1.0, 4.1), Pi(100.0, 100.0), "held-out sessions are much worse than training sessions, 2.02 against 1"),
         (Pi(1.0, 4.1), Pi(100.0, 200.0), ""),
         (Pi(1.0, 101.0), Pi(100.0, 100.0), "the tuned filter is worse than plain integration: do not use it"),
     ],

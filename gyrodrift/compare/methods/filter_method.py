@@ -11,12 +11,13 @@ import numpy as np
 
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
-from gyrodrift.evaluation.attitude import AttitudeHistory, attitude_history
+from gyrodrift.evaluation.attitude import AttitudeHistory, filter_history
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns
 from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.space import axes_of, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.session.aids import RowAids
 from gyrodrift.values.arrays import Floats
 
 
@@ -50,19 +51,48 @@ def filter_method(chosen: Filter, params: FilterParams | None = None, auxiliary:
 
 def attitude_method(axes: InertialColumns, auxiliary: Auxiliary) -> Method:
     """The attitude filter as a method for these data."""
+    return _stepped(filter_method(RESTLEVEL), axes, auxiliary, ())
+
+
+def aided(axes: InertialColumns | None, auxiliary: Auxiliary, aids: RowAids) -> Method:
+    """Restlevel with the second sources of a session as a method for these data."""
+    return _stepped(AIDED, axes, auxiliary, aids)
+
+
+def _stepped(method: Method, axes: InertialColumns | None, auxiliary: Auxiliary, aids: RowAids) -> Method:
+    """The method run by the steps of restlevel, sample by sample."""
 
     @cache
-    def history(times: bytes, values: tuple[float, ...]) -> AttitudeHistory:
+    def history(times: bytes, rates: bytes, values: tuple[float, ...]) -> AttitudeHistory:
         """One run gives yaw and its sigma."""
-        return attitude_history(np.frombuffer(times), axes, auxiliary, RESTLEVEL.params(*values))
+        params = RESTLEVEL.params(*values)
+        return filter_history(np.frombuffer(times), np.frombuffer(rates), axes, auxiliary, params, aids)
 
-    def run(t_s: Floats, _rate_dps: Floats, params: Params) -> Floats:
-        return history(t_s.tobytes(), tuple(params.values())).yaw_deg
+    def run(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
+        return history(t_s.tobytes(), rate_dps.tobytes(), tuple(params.values())).yaw_deg
 
-    def sigma(t_s: Floats, _rate_dps: Floats, params: Params) -> Floats:
-        return history(t_s.tobytes(), tuple(params.values())).yaw_sigma_deg
+    def sigma(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
+        return history(t_s.tobytes(), rate_dps.tobytes(), tuple(params.values())).yaw_sigma_deg
 
-    return replace(filter_method(RESTLEVEL), run=run, sigma=sigma)
+    return replace(method, run=run, sigma=sigma)
+
+
+def missing_aids(_t_s: Floats, _rate_dps: Floats, _params: Params) -> Floats:
+    """No yaw for a session without second sources."""
+    raise ValueError("the method needs second sources")
+
+
+AIDED = Method(
+    "restlevel-aided",
+    "restlevel with second sources",
+    missing_aids,
+    asdict(RESTLEVEL.params()),
+    about="Restlevel at its defaults with the second sources of the recording: headings, turn rates, wheels, speed.",
+    needs_aids=True,
+    with_aids=aided,
+    color=RESTLEVEL.color,
+    dash="--",
+)
 
 
 def missing_yaw(_t_s: Floats, _rate_dps: Floats, _params: Params) -> Floats:

@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 from gyrodrift.evaluation.auxiliary import Auxiliary, DeviceColumns, InertialColumns
 from gyrodrift.evaluation.space import Axis
+from gyrodrift.session.aids import RowAids
 from gyrodrift.values.arrays import Floats
 
 Params = Mapping[str, float]
@@ -50,6 +51,10 @@ class Method:
         Returns the method with the yaw of the device's own filter; None for a method that computes yaw itself.
     needs_device_yaw
         The method runs only if all sessions have the yaw of the device's own filter.
+    with_aids
+        Returns the method with the three axes, auxiliary data and second sources of a session; None for the others.
+    needs_aids
+        The method runs only if a session has second sources.
     color, dash
         Line style: a color role of the style sheet, and `-` or `--`.
     """
@@ -69,13 +74,21 @@ class Method:
     needs_axes: bool = False
     with_device_yaw: "Callable[[DeviceColumns], Method] | None" = None
     needs_device_yaw: bool = False
+    with_aids: "Callable[[InertialColumns | None, Auxiliary, RowAids], Method] | None" = None
+    needs_aids: bool = False
     color: str = "ink"
     dash: str = "-"
 
     def on(
-        self, axes: InertialColumns | None, auxiliary: Auxiliary, device_yaw: DeviceColumns | None = None
+        self,
+        axes: InertialColumns | None,
+        auxiliary: Auxiliary,
+        device_yaw: DeviceColumns | None = None,
+        aids: RowAids | None = None,
     ) -> "Method":
         """The method for the data of a session."""
+        if self.with_aids is not None:
+            return self.with_aids(axes, auxiliary, aids or ())
         if device_yaw is not None and self.with_device_yaw is not None:
             return self.with_device_yaw(device_yaw)
         if axes is not None and self.with_axes is not None:

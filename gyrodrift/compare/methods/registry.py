@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from gyrodrift.compare.methods.filter_method import ON_DEVICE, filter_method
+from gyrodrift.compare.methods.filter_method import AIDED, ON_DEVICE, filter_method
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.packages import run_fusion, run_vqf, run_vqf_offline
 from gyrodrift.compare.methods.plain import run_euler, run_kalman, run_sign, run_start_calibration
@@ -164,7 +164,7 @@ def methods(params: Mapping[str, FilterParams] | None = None) -> tuple[Method, .
     """All methods; filters have these parameters by name, or their defaults."""
     given = params or {}
     own = (filter_method(chosen, given.get(name)) for name, chosen in FILTERS.items())
-    return (*PLAIN, *own, ON_DEVICE, *PEERS)
+    return (*PLAIN, *own, AIDED, ON_DEVICE, *PEERS)
 
 
 def by_key() -> dict[str, Method]:

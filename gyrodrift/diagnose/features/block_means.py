@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Mask
 
@@ -32,7 +33,7 @@ def block_means(values: Floats, length: int) -> Floats:
 def log_variance(values_dps: Floats) -> float:
     """Logarithm of the mean square of values in deg/s, with outliers limited; log(LEAST_DPS²) without values."""
     squares = np.square(values_dps) if len(values_dps) else np.zeros(1)
-    limit = OUTLIER_LIMIT * np.median(squares) + LEAST_DPS**2
+    limit = OUTLIER_LIMIT * median(squares) + LEAST_DPS**2
     return float(np.log(np.minimum(squares, limit).mean() + LEAST_DPS**2))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import NORMAL_MAD
@@ -40,7 +41,7 @@ def block_residuals_of(cleaned: Cleaned, design: DesignMatrix) -> BlockResiduals
     centered_dps = _centered_dps(cleaned, design)
     static = _static(centered_dps, design)
     unexplained_dps = _without_static(centered_dps, static, design)
-    limit_dps = HOLD_SIGMAS * NORMAL_MAD * np.median(np.abs(unexplained_dps)) + LEAST_DPS
+    limit_dps = HOLD_SIGMAS * NORMAL_MAD * median(np.abs(unexplained_dps)) + LEAST_DPS
     limited_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
     return BlockResiduals(
         design=design,
@@ -71,7 +72,7 @@ def _centered_dps(cleaned: Cleaned, design: DesignMatrix) -> Floats:
     """Block residuals less their median at rest, deg/s; 0 in blocks in which the gyro is at its limit."""
     residual_dps = block_residual_dps(cleaned, design)
     at_rest = design.regimes.block_at_rest
-    level = np.median(residual_dps[at_rest]) if at_rest.any() else 0.0
+    level = median(residual_dps[at_rest]) if at_rest.any() else 0.0
     centered: Floats = np.where(design.is_silent, 0.0, residual_dps - level)
     return centered
 

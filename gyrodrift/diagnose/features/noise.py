@@ -18,7 +18,7 @@ from gyrodrift.diagnose.features.feature import (
 )
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, quantiles
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats, Mask
 
@@ -94,7 +94,7 @@ def _burst_ratio(noise: SampleNoise) -> float:
     squares = block_means(np.square(noise.bends_dps), length)[is_calm]
     if len(squares) < FEW_SECONDS:
         return 0.0
-    usual, much = np.quantile(squares, [0.5, 0.9])
+    usual, much = quantiles(squares, [0.5, 0.9])
     return float(np.log((much + LEAST_POWER) / (usual + LEAST_POWER)))
 
 
@@ -110,7 +110,7 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
     if not len(sizes):
         return 0.0
     # With a smaller sigma, single counts would be outliers.
-    sigma = max(np.median(sizes) / MEDIAN_TO_SIGMA, 1.2 * noise.dps_per_lsb)
+    sigma = max(median(sizes) / MEDIAN_TO_SIGMA, 1.2 * noise.dps_per_lsb)
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 

@@ -7,6 +7,7 @@ from scipy.ndimage import median_filter
 
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
+from gyrodrift.diagnose.recording.order_statistics import medians
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats, Mask
 
@@ -53,7 +54,7 @@ def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
         windows = windows_within(cleaned.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
-    power = np.median(_spectra(windows), axis=0)[LOWEST:]
+    power = medians(_spectra(windows).T)[LOWEST:]
     around = median_filter(power, LINE_NEIGHBORS, mode="nearest") + LEAST_POWER
     best = int(np.argmax(power / around))
     amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()

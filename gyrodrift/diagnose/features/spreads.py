@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.diagnose.features.block_means import OUTLIER_LIMIT, block_means
 from gyrodrift.diagnose.features.regimes import Regimes
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 REST_LENGTHS = (1, 2, 4, 8, 16, 32)
@@ -105,7 +106,7 @@ def _robust_median(squares: Floats) -> float:
 
     Without this bound the median jumps to 0 as soon as half of the squares are 0.
     """
-    middle = np.median(squares)
+    middle = median(squares)
     if np.count_nonzero(squares < LEAST_SQUARE) < 0.25 * len(squares):  # many zeros: a dead band or coarse steps
         return middle
     kept = max(1, round(0.9 * len(squares)))  # a tenth may be outliers

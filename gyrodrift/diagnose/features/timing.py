@@ -15,7 +15,7 @@ from gyrodrift.diagnose.features.feature import (
     ResponseLaw,
     Statistic,
 )
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, medians, quantiles
 from gyrodrift.diagnose.recording.recording import Recording, fit_line
 from gyrodrift.values.arrays import Floats, Mask
 
@@ -55,7 +55,7 @@ def stamps_of(recording: Recording) -> Stamps:
     """Compute the statistics of the device times."""
     slope_s, off_s = off_line_s(recording.device_s)
     bends_s = np.diff(off_s, 2)
-    size_s = np.median(np.abs(bends_s)) if len(bends_s) else 0.0
+    size_s = median(np.abs(bends_s)) if len(bends_s) else 0.0
     return Stamps(
         ratio=slope_s / recording.period_s - 1.0 if recording.host_s is not None else 0.0,
         bends_s=bends_s,
@@ -76,7 +76,7 @@ def slow_medians(off_s: Floats, period_s: float) -> Floats:
     """Medians over windows of SLOW_S; two zeros if there are less than two windows."""
     length = max(1, round(SLOW_S / period_s))
     count = len(off_s) // length
-    return np.median(off_s[: count * length].reshape(count, length), axis=1) if count > 1 else np.zeros(2)
+    return medians(off_s[: count * length].reshape(count, length)) if count > 1 else np.zeros(2)
 
 
 def log_wander(slow_s: Floats) -> float:
@@ -157,7 +157,7 @@ def arrivals_of(recording: Recording) -> Arrivals | None:
     gaps = gaps[np.isfinite(gaps)] / recording.period_s
     return Arrivals(
         scatter_s=_scatter_s(off_s),
-        gaps=np.quantile(gaps, QUANTILES) if len(gaps) else np.zeros(len(QUANTILES)),
+        gaps=quantiles(gaps, QUANTILES) if len(gaps) else np.zeros(len(QUANTILES)),
         slow_s=slow_medians(off_s, recording.period_s),
     )
 

@@ -12,6 +12,7 @@ from gyrodrift.diagnose.features.feature import (
     ResponseLaw,
     Statistic,
 )
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.values.arrays import Floats
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
@@ -68,7 +69,7 @@ def _accelerating_against_steady(blocks: BlockResiduals) -> float:
     regimes = blocks.design.regimes
     moving_dps = blocks.unexplained_dps[~regimes.block_at_rest]
     change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
-    is_quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
+    is_quick = change_dps > median(change_dps) if len(change_dps) else np.zeros(0, bool)
     return log_variance(moving_dps[is_quick]) - log_variance(moving_dps[~is_quick])
 
 

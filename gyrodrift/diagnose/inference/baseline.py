@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import norm as normal
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtr, stdtrit
 
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_EVENTS, OF_LOSS, OF_TIMES, rms_scale
@@ -125,7 +124,7 @@ def differences_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatr
 
 def _coverage(degrees: Floats) -> Floats:
     """Ratio of Student's quantile with these degrees of freedom to the normal one."""
-    ratio: Floats = student.isf(TAIL, degrees) / normal.isf(TAIL)
+    ratio: Floats = stdtrit(degrees, TAIL) / ndtri(TAIL)
     return ratio
 
 
@@ -149,6 +148,12 @@ def against(
         )
         for table, design in zip(tables, designs, strict=True)
     ]
+
+
+def against_one(table: ResponseTable, design: DesignMatrix, baseline: Baseline) -> ResponseTable:
+    """The table of one recording, with the common difference of the baseline subtracted."""
+    (compared,) = against([table], [design], baseline)
+    return compared
 
 
 CHANCE = 0.05
@@ -219,5 +224,5 @@ def chance_of(today: Floats, before: Floats, noise_variance: float, *, is_random
     with_noise = degrees + NOISE_DEGREES, squares + NOISE_DEGREES * noise_variance
     estimates = [(degrees, squares), with_noise] if degrees > 0.0 else [with_noise]
     return max(
-        float(2.0 * student.sf(apart / np.sqrt(max(total, TINY) / freedom), freedom)) for freedom, total in estimates
+        float(2.0 * stdtr(freedom, -apart / np.sqrt(max(total, TINY) / freedom))) for freedom, total in estimates
     )

@@ -64,6 +64,8 @@ class SizePosterior:
 
     is_low_open, is_high_open
         Whether the interval ends at the smallest or the largest size that was tried.
+    variants
+        All variants that were tried, with their probabilities given that the effect acts.
     """
 
     response: Response
@@ -72,6 +74,7 @@ class SizePosterior:
     high: float
     is_low_open: bool = False
     is_high_open: bool = False
+    variants: tuple[tuple[Candidate, float], ...] = ()
 
 
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
@@ -82,19 +85,25 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     fixed = [placed for placed in effect_set.placed if placed.template.name != name]
     profile = profile_of(scorer, name, fixed)
     response = int(profile.best.template.response[profile.best.point])
-    sizes, log_weights = [], []
+    sizes, log_weights, responses = [], [], []
     for template, by_form in profile.parts:
-        is_same = template.response == response
         for densities in by_form[:-1]:
             log_density = np.logaddexp(*scorer.with_priors(*densities, power))
-            sizes.append(template.size[is_same])
-            log_weights.append((log_density + template.log_prior)[is_same])
+            sizes.append(template.size)
+            log_weights.append(log_density + template.log_prior)
+            responses.append(template.response)
+    of_variant, log_weight = np.concatenate(responses), np.concatenate(log_weights)
+    tried = profile.best.template.responses
+    mass = np.bincount(of_variant, np.exp(log_weight - log_weight.max()), len(tried))
+    is_same = of_variant == response
+    sizes, log_weights = [np.concatenate(sizes)[is_same]], [log_weight[is_same]]
     pair = pair_in(effect_set.names)
     if pair is not None and name in pair:
         sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
-    best = profile.best.template.responses[response]
-    return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high))
+    best = tried[response]
+    variants = tuple((item.candidate, float(share)) for item, share in zip(tried, mass / mass.sum(), strict=True))
+    return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high), variants)
 
 
 def open_ends(tried: Floats, low: float, high: float) -> tuple[bool, bool]:
@@ -126,8 +135,8 @@ GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
 
 SURELY_UNKNOWN, PREDICTS = 0.9, 0.2
 """Probability of something unknown beside which a random cause must close a share of the gap to be named, and that
-share. A random effect takes in any disturbance of its spread, as an unknown effect does; what it predicts beyond that
-closes a part of the gap. Chosen."""
+share; a random cause that is alone must close it, too. A random effect takes in any disturbance of its spread, as an
+unknown effect does; what it predicts beyond that closes a part of the gap. Chosen."""
 
 Simulate = Callable[[Sequence[Sized]], SimulatedSet]
 """Simulator: from a set of effects with sizes to the change of the features."""
@@ -171,11 +180,21 @@ def conclude(
     posterior = with_unseparated(simulated_posterior(scorer, simulate), unseparated)
     posterior = posterior.without(_as_in_rig(scorer, posterior))
     explanation, causes = _explained(evidence, scorer, posterior, _named(scorer, posterior))
-    if posterior.unknown >= SURELY_UNKNOWN:
-        predicting = [cause for cause in causes if not cause.cause.is_random or cause.gap_share >= PREDICTS]
-        if len(predicting) < len(causes):
-            explanation, causes = _explained(evidence, scorer, posterior, predicting)
+    predicting = _predicting(explanation, causes)
+    if len(predicting) < len(causes):
+        explanation, causes = _explained(evidence, scorer, posterior, predicting)
     return Conclusion(_verdict(explanation, causes), explanation)
+
+
+def _predicting(explanation: Explanation, causes: Sequence[NamedCause]) -> Sequence[NamedCause]:
+    """The causes without random ones that close too little of the gap, alone or beside something surely unknown."""
+    if explanation.posterior.unknown >= SURELY_UNKNOWN:
+        return [cause for cause in causes if not cause.cause.is_random or cause.gap_share >= PREDICTS]
+    # A single recording does not show how a random effect scatters.
+    if len(causes) == 1 and causes[0].cause.is_random and len(explanation.evidence.z) > 1:
+        closed = gap_of(explanation.evidence, explanation.held_out_gap).shrink
+        return causes if closed is None or closed >= PREDICTS else ()
+    return causes
 
 
 def _placed(templates: Mapping[str, Template], effects: Sequence[Sized]) -> Iterator[Placed]:
@@ -333,7 +352,46 @@ def _size_parameter(candidate: Candidate, size: SizePosterior) -> Parameter:
 
 
 def _fixed(candidate: Candidate, size: SizePosterior) -> list[Parameter]:
-    """Parameters that the variant fixes."""
+    """Parameters that the variant fixes, with the interval of their values in the probable variants."""
     made = candidate.make(size.median).model_dump(exclude_unset=True)
-    names = [name for name in made if name not in {candidate.parameter, "name"}]
-    return [Parameter(name, made[name], made[name], made[name], unit_of(name)) for name in names]
+    every = [(item.make(size.median).model_dump(exclude_unset=True), share) for item, share in size.variants]
+    fixed = []
+    for name in (name for name in made if name not in {candidate.parameter, "name"}):
+        period = 360.0 if name == PHASE else None
+        tried = [(values[name], share) for values, share in every if name in values]
+        low, high = probable_range(made[name], tried, period)
+        fixed.append(Parameter(name, made[name], low, high, unit_of(name)))
+    return fixed
+
+
+PHASE = "phase_deg"
+"""Name of the parameter that repeats after 360 degrees."""
+
+
+def probable_range(
+    value: float, tried: Sequence[tuple[float, float]], period: float | None = None
+) -> tuple[float, float]:
+    """Ends of the interval of a parameter that is tried at some values.
+
+    It spans the most probable values that have 95 % of the probability together, up to halfway to the next values that
+    were tried. Whole numbers have nothing between them. Between values that repeat after a period, the way is the
+    shorter one.
+
+    tried
+        Values and their probabilities.
+    """
+    if period is not None:
+        tried = [(value + (item - value + 0.5 * period) % period - 0.5 * period, share) for item, share in tried]
+    values, slot = np.unique([item for item, _ in tried] or [value], return_inverse=True)
+    mass = np.bincount(slot, [share for _, share in tried] or [1.0])
+    order = np.argsort(-mass)
+    count = int(np.searchsorted(np.cumsum(mass[order]), CREDIBLE[-1] - CREDIBLE[0] - ROUNDING)) + 1
+    first, last = int(order[:count].min()), int(order[:count].max())
+    if isinstance(value, int):
+        return float(values[first]), float(values[last])
+    edges = np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
+    return min(float(edges[first]), value), max(float(edges[last + 1]), value)
+
+
+ROUNDING = 1e-9
+"""Error of a sum of probabilities."""

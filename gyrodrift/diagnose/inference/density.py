@@ -101,24 +101,38 @@ class Groups(NamedTuple):
 
 
 @compiled_once()
-def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, white: Floats) -> float:
-    """Logarithm of a multivariate Student density by a Cholesky factorization; `root` and `white` are scratch."""
+def _log_student(
+    residual: Floats, covariance: Floats, nu: float, constant: float, root: Floats, white: Floats
+) -> float:
+    """Logarithm of a multivariate Student density by a Cholesky factorization.
+
+    constant
+        Logarithm of the part that depends on `nu` and the number of sessions only.
+    root, white
+        Working memory: the factor with the inverse of its diagonal, and the whitened residual.
+    """
     size = len(residual)
-    log_determinant = 0.0
+    log_determinant, determinant = 0.0, 1.0
     square = 0.0
     for i in range(size):
-        for j in range(i + 1):
+        for j in range(i):
             value = covariance[i, j]
             for k in range(j):
                 value -= root[i, k] * root[j, k]
-            root[i, j] = math.sqrt(max(value, 1e-9)) if i == j else value / root[j, j]
-        log_determinant += math.log(root[i, i])
-        value = residual[i]
+            root[i, j] = value * root[j, j]
+        value, deviation = covariance[i, i], residual[i]
         for k in range(i):
-            value -= root[i, k] * white[k]
-        white[i] = value / root[i, i]
+            value -= root[i, k] * root[i, k]
+            deviation -= root[i, k] * white[k]
+        pivot = math.sqrt(max(value, 1e-9))
+        root[i, i] = 1.0 / pivot
+        white[i] = deviation * root[i, i]
         square += white[i] ** 2
-    constant = math.lgamma(0.5 * (nu + size)) - math.lgamma(0.5 * nu) - 0.5 * size * math.log(nu * math.pi)
+        determinant *= pivot
+        if not 1e-100 < determinant < 1e100:
+            log_determinant += math.log(determinant)
+            determinant = 1.0
+    log_determinant += math.log(determinant)
     return constant - log_determinant - 0.5 * (nu + size) * math.log1p(square / nu)
 
 
@@ -134,6 +148,7 @@ def _by_width(
     is_known = np.zeros(features, np.bool_)
     total = np.zeros((sessions, sessions))
     root, white, session_residual = np.zeros((sessions, sessions)), np.zeros(sessions), np.zeros(sessions)
+    constant = math.lgamma(0.5 * (nu + sessions)) - math.lgamma(0.5 * nu) - 0.5 * sessions * math.log(nu * math.pi)
     for n in range(points):
         for f in range(features):
             if not is_used[f]:
@@ -143,20 +158,24 @@ def _by_width(
                 moves = max(moves, abs(mean[n, i, f]), scatter[n, i, f])
                 session_residual[i] = residual[n, i, f]
             if moves < MOVED and is_known[f]:
-                densities[n, f] = alone[f]
+                for v in range(len(widths)):
+                    densities[n, f, v] = alone[f, v]
                 continue
+            is_known[f] |= moves < MOVED
             for v in range(len(widths)):
-                unknown = widths[v] ** 2
-                for i in range(sessions):
-                    for j in range(i + 1):
-                        common = 0.5 * form[n, i, f] * form[n, j, f]
-                        total[i, j] = covariance[f, i, j] + common + UNKNOWN_COMMON * unknown
-                    total[i, i] += 0.5 * form[n, i, f] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[n, i, f]
-                densities[n, f, v] = _log_student(session_residual, total, nu, root, white)
-            if moves < MOVED:
-                alone[f] = densities[n, f]
-                is_known[f] = True
+                _add_up(form[n, :, f], scatter[n, :, f], covariance[f], widths[v] ** 2, total)
+                densities[n, f, v] = _log_student(session_residual, total, nu, constant, root, white)
+                alone[f, v] = densities[n, f, v] if moves < MOVED else alone[f, v]
     return densities
+
+
+@compiled_once()
+def _add_up(form: Floats, scatter: Floats, covariance: Floats, unknown: float, total: Floats) -> None:
+    """Write the lower half of the covariance of equation (2) of one feature; `unknown` is the variance by that."""
+    for i in range(len(form)):
+        for j in range(i + 1):
+            total[i, j] = covariance[i, j] + 0.5 * form[i] * form[j] + UNKNOWN_COMMON * unknown
+        total[i, i] += 0.5 * form[i] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[i]
 
 
 @compiled_once()
@@ -164,11 +183,8 @@ def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats
     """Sum over the states of the unknown effect; see `LogDensities`."""
     points, features, widths = densities.shape
     without_unknown, either = np.zeros(points), np.zeros(points)
-    still = np.zeros(groups)
-    moved = np.zeros((groups, widths - 1, len(shares)))
     for n in range(points):
-        still[:] = 0.0
-        moved[:] = 0.0
+        still, moved = np.zeros(groups), np.zeros((groups, widths - 1, len(shares)))
         for f in range(features):
             if densities[n, f, 0] == 0.0:
                 continue
@@ -180,12 +196,28 @@ def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats
                     moved[g, v - 1, k] += densities[n, f, 0] + math.log(1.0 - shares[k] + shares[k] * ratio)
         narrow, broad = math.log(1.0 - UNKNOWN_BROAD), math.log(UNKNOWN_BROAD)
         for g in range(groups):
-            top = max(still[g], moved[g].max())
-            mean_moved = np.exp(moved[g] - top).mean()
+            top, mean_moved = _mean_power(moved[g], still[g])
             at_rest = math.exp(still[g] - top)
+            without_unknown[n] += still[g]
             narrow += top + math.log((1.0 - UNKNOWN_IN_GROUP) * at_rest + UNKNOWN_IN_GROUP * mean_moved)
             broad += top + math.log((1.0 - BROAD_IN_GROUP) * at_rest + BROAD_IN_GROUP * mean_moved)
-        without_unknown[n] = still.sum()
         top = max(narrow, broad)
         either[n] = top + math.log(math.exp(narrow - top) + math.exp(broad - top))
     return without_unknown, either
+
+
+@compiled_once()
+def _mean_power(logarithms: Floats, least: float) -> tuple[float, float]:
+    """The largest of some logarithms and of `least`, and the mean of their powers over that of the largest.
+
+    Loops, because numba needs seconds to compile reductions of slices.
+    """
+    rows, columns = logarithms.shape
+    top, total = least, 0.0
+    for row in range(rows):
+        for column in range(columns):
+            top = max(top, logarithms[row, column])
+    for row in range(rows):
+        for column in range(columns):
+            total += math.exp(logarithms[row, column] - top)
+    return top, total / (rows * columns)

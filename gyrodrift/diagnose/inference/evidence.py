@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from gyrodrift.diagnose.features.vector import OF_AXES
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -55,7 +55,7 @@ def family_wise_threshold(nulls: Floats) -> float:
 
 def _expected(z: float, spread: Floats, degrees: int) -> float:
     """Expected number of features with these spreads beyond a z."""
-    return float(2.0 * student.sf(z / spread, degrees).sum())
+    return float(2.0 * stdtr(degrees, -z / spread).sum())
 
 
 def _largest(nulls: Floats) -> Floats:

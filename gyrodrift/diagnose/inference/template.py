@@ -14,6 +14,7 @@ from gyrodrift.diagnose.inference.log_variances import between_scaled, interpola
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.response_table import ENOUGH
 from gyrodrift.values.arrays import Floats, Integers
 
 NOTICEABLE = 2.0
@@ -22,9 +23,6 @@ belong to the hypothesis without the effect."""
 
 COARSE_STEP = 4
 """The search tries every fourth size first, then the sizes next to the best."""
-
-ENOUGH = 8
-"""Number of realizations from which on a session has its own mean and covariance."""
 
 FINER = 8
 """Points into which an interval of sizes is divided about the best size."""
@@ -166,7 +164,7 @@ def _points(observation: Observation, response: Response) -> _Points:
     scatter, factors = scatter * np.square(by_unit), factors * by_unit[:, None]
     squares = np.square(mean) + scatter + np.square(factors).sum(axis=2)
     kept = np.flatnonzero(np.sqrt(squares.sum(axis=(1, 2))) > NOTICEABLE)
-    log_prior = np.full(len(kept), -np.log(max(len(kept), 1)))
+    log_prior = np.full(len(kept), -np.log(max(len(kept) + response.candidate.ruled_out, 1)))
     if response.phases_deg is not None:
         curvature = np.square(mean[kept][:, :, ONCE_PER_TURN]).sum(axis=2)
         log_prior = log_prior - 0.5 * np.log1p(2.0 * np.pi * curvature).sum(axis=1)

@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import periodogram
 
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.spectral_line import windows_within
@@ -162,7 +161,7 @@ def _spectra(parts: Sequence[tuple[Floats, Floats]]) -> Spectra:
 def _slow(subject: Subject, cleaned: Cleaned) -> tuple[Floats, Floats]:
     """Frequencies up to half a hertz and the one-sided power density of the rate error there."""
     residual_dps = block_residual_dps(cleaned, subject.design)
-    hz, power = periodogram(residual_dps, 1.0 / (subject.design.block * subject.design.period_s), "hann")
+    hz, power = _periodogram(residual_dps, subject.design.block * subject.design.period_s, 0)
     return hz[1:], power[1:]
 
 
@@ -177,9 +176,25 @@ def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
         windows = windows_within(error_dps, design.regimes.at_rest | design.regimes.is_steady)
     if not len(windows):
         return np.zeros(0), np.zeros(0)
-    hz, powers = periodogram(windows, 1.0 / design.period_s, "hann", detrend="linear")
+    hz, powers = _periodogram(windows, design.period_s, 1)
     above = hz > 0.5 / (design.block * design.period_s)
     return hz[above], powers[:, above].mean(axis=0)
+
+
+def _periodogram(values: Floats, period_s: float, degree: int) -> tuple[Floats, Floats]:
+    """Frequencies and one-sided power density along the last axis, by a Hann window.
+
+    degree
+        Degree of the polynomial that is subtracted from the values: 0 or 1.
+    """
+    count = values.shape[-1]
+    window = np.hanning(count + 1)[:-1]
+    basis, _ = np.linalg.qr(np.vander(np.arange(count, dtype=np.float64), degree + 1))
+    lines = np.fft.rfft((values - (values @ basis) @ basis.T) * window, axis=-1)
+    power = 2.0 * period_s * np.square(np.abs(lines)) / np.square(window).sum()
+    power[..., [0, -1] if count % 2 == 0 else [0]] *= 0.5  # the constant and half the sample rate have one side
+    hz: Floats = np.arange(lines.shape[-1]) / (count * period_s)
+    return hz, power
 
 
 def pooled(spectra: Sequence[Spectra]) -> Spectra:

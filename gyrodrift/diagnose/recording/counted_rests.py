@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.values.arrays import Floats
 
 ANGLES, REACH = 401, 1.5
@@ -65,9 +66,9 @@ def counted_rests(
     around_deg = np.linspace(-REACH, REACH, ANGLES) * count_deg
     low_deg, high_deg = np.empty(len(spans)), np.empty(len(spans))
     for rest, (first, end) in enumerate(spans):
-        read_deg = float(np.median(encoder_deg[first:end]))
+        read_deg = median(encoder_deg[first:end])
         error_deg = np.abs(read(read_deg + around_deg) - read_deg)
         inside_deg = around_deg[error_deg < error_deg.min() + 1e-6]  # equal except for rounding of floats
-        rest_deg = float(np.median(true_deg[first:end]))
+        rest_deg = median(true_deg[first:end])
         low_deg[rest], high_deg[rest] = rest_deg + inside_deg[0], rest_deg + inside_deg[-1]
     return CountedRests(spans, low_deg, high_deg)

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from gyrodrift.diagnose.recording.order_statistics import quantiles
 from gyrodrift.facts.arrays import blocks_of, samples_in
 from gyrodrift.values.arrays import Floats
 
@@ -102,7 +103,7 @@ def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     bends = np.abs(np.diff(blocks_of(rate_dps, samples).mean(axis=1), 2))
     if not len(bends):
         return 0.0
-    bend_sigma_dps = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
+    bend_sigma_dps = float(quantiles(bends, CALM_QUANTILE)) / CALM_SIGMAS
     return bend_sigma_dps * float(np.sqrt(samples / NOISE_GAIN))
 
 
@@ -114,9 +115,9 @@ def _noise_of_calmest_dps(rate_dps: Floats) -> float:
     stretches = blocks_of(np.square(np.diff(rate_dps, 3)), CALMEST_SAMPLES).mean(axis=1)
     if not len(stretches):
         return float("inf")
-    return float(np.sqrt(np.quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
+    return float(np.sqrt(quantiles(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
 
 
 def middle_sigma(values: Floats) -> float:
     """Standard deviation of normal values, from a quantile of their absolute values that outliers do not move."""
-    return float(np.quantile(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS
+    return float(quantiles(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS

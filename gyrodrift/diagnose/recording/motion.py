@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import savgol_filter
 
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.io.compile import compiled_once
@@ -83,10 +82,21 @@ def _cubic(t_s: Floats, period_s: float, node_deg: Floats, node_dps: Floats) -> 
 
 
 def rough_rate_dps(recording: Recording, encoder_deg: Floats) -> Floats:
-    """(n,) rate of an encoder, deg/s, by a Savitzky-Golay filter."""
+    """(n,) rate of an encoder, deg/s, by polynomials through the angles about a sample.
+
+    A. Savitzky, M. J. E. Golay, Smoothing and differentiation of data by simplified least squares procedures (1964). At
+    either end it is the slope of the first and of the last polynomial.
+    """
     length, degree = _window(SMOOTH_S, recording, len(encoder_deg))
-    rate_dps: Floats = savgol_filter(encoder_deg, length, degree, deriv=1, delta=recording.period_s)
-    return rate_dps
+    half = length // 2
+    powers = np.vander(np.arange(-half, half + 1, dtype=np.float64), degree + 1, increasing=True)
+    fit = np.linalg.pinv(powers)
+    slopes = powers[:, :-1] @ (np.arange(1, degree + 1)[:, None] * fit[1:])
+    rate_dps = np.empty(len(encoder_deg))
+    rate_dps[half : len(encoder_deg) - half] = np.correlate(encoder_deg, slopes[half], mode="valid")
+    rate_dps[:half] = slopes[:half] @ encoder_deg[:length]
+    rate_dps[len(encoder_deg) - half :] = slopes[half + 1 :] @ encoder_deg[-length:]
+    return rate_dps / recording.period_s
 
 
 def sensor_c_of(recording: Recording) -> Floats:

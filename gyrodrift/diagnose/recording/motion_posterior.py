@@ -13,17 +13,19 @@ from functools import cache
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.integrate import cumulative_trapezoid
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.ndimage import uniform_filter1d
 
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, FilteredStates, filter_forward, sample_backward
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
+from gyrodrift.diagnose.recording.order_statistics import running_maximum
 from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask
-from gyrodrift.diagnose.recording.smoothing import central_difference, convolved, gaussian
+from gyrodrift.diagnose.recording.smoothing import central_difference, convolved, gaussian, with_ends
 from gyrodrift.facts.arrays import samples_in, true_runs
+from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)
@@ -54,10 +56,10 @@ def local_cubic(values: Floats, sigma: float, widest: int) -> Floats:
         if half > widest or 2 * half + 1 > len(values):
             break
         weights = _weights(half)
-        smooth = convolved(np.pad(values, half, mode="edge"), weights[half:])
+        smooth = convolved(with_ends(values, half), weights[half:])
         expected = sigma**2 * float(np.square(_difference(weights, weights_before)).sum())
         power = uniform_filter1d(np.square(smooth - before), WINDOWS_AVERAGED * (2 * half + 1))
-        agrees = agrees & (maximum_filter1d(power, 2 * half + 1) <= DISAGREES * expected)
+        agrees = agrees & (running_maximum(power, 2 * half + 1) <= DISAGREES * expected)
         kept = np.where(agrees, smooth, kept)
         before, weights_before = smooth, weights
     return kept
@@ -285,15 +287,33 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
     for step in dict.fromkeys(samples_in(step_s, period_s) for step_s in JERK_STEPS_S):
         if 3 * step > len(rate_dps):
             break
-        means_dps = (sums[step:] - sums[:-step]) / step
-        bends = np.square(means_dps[2 * step :] - 2.0 * means_dps[step:-step] + means_dps[: -2 * step])
+        bends = np.empty(len(rate_dps) - 3 * step + 1)
+        _square_bends(sums, step, bends)
         window = JERK_WINDOW_STEPS * step
-        power = maximum_filter1d(uniform_filter1d(bends, window), window)
+        power = running_maximum(uniform_filter1d(bends, window), window)
         excess = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / step, 0.0)
         first = (3 * step) // 2
-        excess = np.pad(excess, (first, len(rate_dps) - len(excess) - first), mode="edge")
-        intensity = np.where(intensity > 0.0, intensity, excess / (JERK_GAIN * (step * period_s) ** 3))
+        _fill(excess / (JERK_GAIN * (step * period_s) ** 3), first, intensity)
     return intensity
+
+
+@compiled_once()
+def _square_bends(sums: Floats, step: int, bends: Floats) -> None:
+    """Write the squared second differences of the means of `step` values, from the cumulative sums of the values."""
+    for n in range(len(bends)):
+        first = (sums[n + step] - sums[n]) / step
+        second = (sums[n + 2 * step] - sums[n + step]) / step
+        third = (sums[n + 3 * step] - sums[n + 2 * step]) / step
+        bend = third - 2.0 * second + first
+        bends[n] = bend * bend
+
+
+@compiled_once()
+def _fill(values: Floats, first: int, intensity: Floats) -> None:
+    """Write values that begin at sample `first` where the intensity is 0; the ends are repeated beyond them."""
+    for n in range(len(intensity)):
+        if intensity[n] == 0.0:
+            intensity[n] = values[min(max(n - first, 0), len(values) - 1)]
 
 
 def _advanced(values: Floats, samples: float) -> Floats:

@@ -7,14 +7,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
 
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
-from gyrodrift.diagnose.recording.order_statistics import distinct
+from gyrodrift.diagnose.recording.order_statistics import (
+    distinct,
+    median,
+    median_of_five,
+    median_of_nine,
+    quantiles,
+    running_maximum,
+)
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.facts.arrays import true_runs
-from gyrodrift.values.arrays import Floats, Mask
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 
 def cubic_residual(values: Floats) -> Floats:
@@ -27,21 +33,24 @@ def cubic_residual(values: Floats) -> Floats:
     return residual
 
 
-def steepest_neighbor_step(values: Floats) -> Floats:
-    """(n,) largest step between two successive values near every value, without the steps to and from the value."""
-    steps = np.abs(np.diff(np.pad(values, 3, mode="edge")))
-    before, after = np.maximum(steps[:-5], steps[1:-4]), np.maximum(steps[4:-1], steps[5:])
-    steepest: Floats = np.maximum(before, after)
+def steepest_neighbor_step(values: Floats, index: Integers) -> Floats:
+    """(k,) largest step between two successive values near a value, without the steps to and from the value."""
+    near = values[np.clip(index[:, None] + np.arange(-3, 4), 0, len(values) - 1)]
+    steps = np.abs(np.diff(near, axis=1))
+    steepest: Floats = steps[:, (0, 1, 4, 5)].max(axis=1)
     return steepest
 
 
-def is_isolated(residual: Floats) -> Mask:
-    """(n,) whether the cubic residual of a value is 1.25 times larger than those of both neighbors.
+def is_isolated(residuals: Floats) -> Mask:
+    """(k,) whether the cubic residual of a value is 1.25 times larger than those of both neighbors.
 
     Beside an outlier the residual is two thirds of it. At an edge of the rate both sides have the same residual.
+
+    residuals
+        (k, 3) residuals of the neighbor before, the value and the neighbor after.
     """
-    size = np.pad(np.abs(residual), 1)
-    isolated: Mask = size[1:-1] > 1.25 * np.maximum(size[:-2], size[2:])
+    size = np.abs(residuals)
+    isolated: Mask = size[:, 1] > 1.25 * np.maximum(size[:, 0], size[:, 2])
     return isolated
 
 
@@ -223,29 +232,35 @@ def _is_outlier(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Ma
         Rate of the encoder, shape (n,).
     """
     difference_dps = rate_dps - rough_dps
-    encoder_dps, cubic_dps = difference_dps - median_filter(difference_dps, 5), cubic_residual(rate_dps)
+    encoder_dps, cubic_dps = difference_dps - median_of_five(difference_dps), cubic_residual(rate_dps)
     by_encoder, by_cubic = np.abs(encoder_dps), np.abs(cubic_dps)
-    by_median = np.abs(rate_dps - median_filter(rate_dps, 5))
+    by_median = np.abs(rate_dps - median_of_five(rate_dps))
     encoder_sigma = _sigma(by_encoder, recording)
     # The median has no residual beside an outlier, so the smaller of both residuals is free of it.
     cubic_sigma = _sigma(np.minimum(by_cubic, by_median), recording)
     is_spike: Mask = (by_encoder > SPIKE_SIGMAS * encoder_sigma) | (by_cubic > SPIKE_SIGMAS * cubic_sigma)
-    if not is_spike.any():
-        return is_spike
-    is_by_cubic = by_cubic * encoder_sigma > by_encoder * cubic_sigma
-    size_dps = np.where(is_by_cubic, by_cubic, by_encoder)
-    is_steep = size_dps < 0.6 * steepest_neighbor_step(rate_dps)  # smaller than this, it may be part of a motion
-    along_dps = encoder_dps * np.sign(np.where(is_by_cubic, cubic_dps, encoder_dps))
-    is_motion = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * encoder_sigma)
+    is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
+    index = np.flatnonzero(is_spike & np.isfinite(recording.rate_dps))
+    if not len(index):
+        return np.zeros_like(is_spike)
+    around = index[:, None] + (-1, 0, 1)
+    is_by_cubic = by_cubic[around] * encoder_sigma[around] > by_encoder[around] * cubic_sigma[around]
+    sizes_dps = np.where(is_by_cubic, by_cubic[around], by_encoder[around])
+    size_dps, by_cubic, by_median, is_by_cubic = sizes_dps[:, 1], by_cubic[index], by_median[index], is_by_cubic[:, 1]
+    # Smaller than this, it may be part of a motion.
+    is_steep = size_dps < 0.6 * steepest_neighbor_step(rate_dps, index)
+    along_dps = encoder_dps[index] * np.sign(np.where(is_by_cubic, cubic_dps[index], encoder_dps[index]))
+    is_motion = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * encoder_sigma[index])
     # On a slope the median is the sample itself, so its residual is 0 and the cubic decides. A sample that repeats the
     # sample before is excluded: its cubic residual is as large as that of an outlier.
-    on_slope = is_isolated(cubic_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
+    on_slope = is_isolated(cubic_dps[around]) & ~is_steep & (rate_dps[index] != rate_dps[index - 1])
     is_own = np.maximum(by_median, np.where(on_slope, by_cubic, 0.0)) > SPIKE_OWN * size_dps
     # If the noise is less than a step, residuals of a few steps are no outliers.
-    is_spike &= (size_dps > 4.0 * granularity(recording.rate_dps)) & is_own & ~(is_by_cubic & is_motion)
+    is_outlier = (size_dps > 4.0 * granularity(recording.rate_dps)) & is_own & ~(is_by_cubic & is_motion)
     # If the rate changes quickly, the neighbors of an outlier exceed the threshold, too. The largest is the outlier.
-    is_spike &= (size_dps == maximum_filter1d(size_dps, 3)) & np.isfinite(recording.rate_dps)
-    is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
+    is_outlier &= size_dps == sizes_dps.max(axis=1)
+    is_spike[:] = False
+    is_spike[index[is_outlier]] = True
     return is_spike
 
 
@@ -253,13 +268,13 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     """(n,) signed jump of the angle before every sample; 0 without a jump."""
     gyro_turn_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     excess_deg = np.diff(encoder_deg) - gyro_turn_deg
-    residual_deg = np.concatenate([[0.0], excess_deg - median_filter(excess_deg, 9)])
+    residual_deg = np.concatenate([[0.0], excess_deg - median_of_nine(excess_deg)])
     # The interval before a sample touches the bends at both ends.
-    bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
+    bends_dps = running_maximum(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
     # A rate that bends within a sample, or is late by a sample, moves the angle by half of the bend.
     # A jump is larger than the rounding of a coarse encoder.
     least_deg = 2.5 * step_deg + 0.5 * recording.period_s * bends_dps
-    is_rounded = np.quantile(np.abs(residual_deg), NEARLY_ALL) < ROUNDED * step_deg
+    is_rounded = quantiles(np.abs(residual_deg), NEARLY_ALL) < ROUNDED * step_deg
     noise_deg = 0.0 if is_rounded else 7.0 * _sigma(np.abs(residual_deg), recording)
     is_slip: Mask = np.abs(residual_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, residual_deg, 0.0)
@@ -288,8 +303,8 @@ def _sigma(absolute: Floats, recording: Recording) -> Floats:
     """
     length = max(LEAST_SAMPLES, round(1.0 / recording.period_s))
     seconds = max(1, len(absolute) // length)
-    sigma = np.quantile(absolute[: seconds * length].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
-    sigma = np.maximum(sigma, max(np.median(sigma), np.quantile(absolute, 0.5) / MIDDLE_SIGMAS))
+    sigma = quantiles(absolute[: seconds * length].reshape(seconds, -1), MIDDLE_SHARE) / MIDDLE_SIGMAS
+    sigma = np.maximum(sigma, max(median(sigma), median(absolute) / MIDDLE_SIGMAS))
     padded = np.concatenate([sigma[:1], sigma, sigma[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     second = np.minimum(np.arange(len(absolute)) // length, seconds - 1)

@@ -20,6 +20,7 @@ from scipy.optimize import nnls
 from scipy.special import expit
 
 from gyrodrift.diagnose.recording.gyro_noise import FOLDS, GyroModel
+from gyrodrift.diagnose.recording.order_statistics import median, medians
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 Lines = npt.NDArray[np.complex128]
@@ -111,7 +112,7 @@ class Bands:
         products
             (windows, lines) products of spectral lines, such as their squares.
         """
-        power: Floats = np.median(self.mean_power(products), axis=0) / (1.0 - 2.0 / (9.0 * self.freedoms)) ** 3
+        power: Floats = medians(self.mean_power(products).T) / (1.0 - 2.0 / (9.0 * self.freedoms)) ** 3
         return power
 
 
@@ -218,6 +219,8 @@ class QuickMotion:
 
     def _filtered(self, values_dps: Floats, gains: Floats) -> Floats:
         """(n, 2) angles and rates of the given rates after a filter with gains by band."""
+        if not gains.any():
+            return np.zeros((len(values_dps), 2))
         size = next_fast_len(len(values_dps), real=True)
         frequency_hz = np.fft.rfftfreq(size, self.bands.period_s)
         centers_hz = np.concatenate([[0.5 * LOWEST_HZ], self.bands.centers_hz])
@@ -246,7 +249,7 @@ def quick_motion_of(rate_dps: Floats, at_rest: Mask, moves: Mask, period_s: floa
     motion = _falling(power - np.maximum(noise, LEAST_SHARE * power), error)
     window_trembles = _tremble_probability(bands, powers, power - motion, power)
     tremble_probability = np.where(moves, np.interp(np.arange(len(moves)), bands.middles, window_trembles), 0.0)
-    white_dps = float(np.sqrt(np.median(noise / passed) * passed[0] / bands.window_power))
+    white_dps = float(np.sqrt(median(noise / passed) * passed[0] / bands.window_power))
     return replace(nothing, tremble_probability=tremble_probability, gyro=power, motion=motion, white_dps=white_dps)
 
 

@@ -7,8 +7,9 @@ ends of a rest, samples do not count as rest as long as the gyro cannot tell the
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
+from gyrodrift.diagnose.recording.order_statistics import median, median_of_five
 from gyrodrift.facts.arrays import samples_in, true_runs
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
@@ -61,7 +62,7 @@ def rest_mask(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: fl
     # A motion that accelerates at 0.1 deg/s² needs this time for OPEN_COUNTS.
     slow_start = samples_in(float(np.sqrt(2.0 * least_deg / 0.1)), period_s)
     for first, end in true_runs(resting):
-        away_dps = rate_dps[first:end] - np.median(slow_dps[first:end])
+        away_dps = rate_dps[first:end] - median(slow_dps[first:end])
         least = min(slow_start, round(0.1 * (end - first)))  # at most a tenth of a short rest
         begins, ends = (
             max(least, _moving_samples(edge_dps[: samples_in(5.0, period_s)], sigma_dps, least_deg / period_s))
@@ -73,7 +74,7 @@ def rest_mask(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: fl
 
 def _without_outliers(rate_dps: Floats, least_dps: float) -> Floats:
     """(n,) rates with outliers replaced by the median of five samples. The median follows a step of the rate."""
-    near_dps = median_filter(rate_dps, 5)
+    near_dps = median_of_five(rate_dps)
     calm_dps: Floats = np.where(np.abs(rate_dps - near_dps) > least_dps, near_dps, rate_dps)
     return calm_dps
 

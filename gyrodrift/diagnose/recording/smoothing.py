@@ -27,7 +27,15 @@ CHUNK = 1024
 def gaussian(values: Floats, sigma: float) -> Floats:
     """(n,) values smoothed by a Gaussian with a standard deviation of `sigma` samples, mirrored at the ends."""
     weights = _weights(float(sigma))
-    return convolved(np.pad(np.asarray(values, dtype=np.float64), len(weights) - 1, mode="symmetric"), weights)
+    reach = len(weights) - 1
+    return convolved(mirrored(np.asarray(values, dtype=np.float64), reach, reach), weights)
+
+
+def mirrored(values: Floats, before: int, after: int) -> Floats:
+    """Values with their ends mirrored, as `np.pad` does in a tenth of the time if the ends are no longer than they."""
+    if max(before, after) > len(values):
+        return np.pad(values, (before, after), mode="symmetric")
+    return np.concatenate([values[:before][::-1], values, values[len(values) - after :][::-1]])
 
 
 def convolved(padded: Floats, weights: Floats) -> Floats:
@@ -45,12 +53,25 @@ def convolved(padded: Floats, weights: Floats) -> Floats:
 
 def central_difference(values: Floats, spacing: float) -> Floats:
     """(n,) derivative of values, `spacing` apart. The first and last value are repeated beyond the ends."""
-    reach = len(SIXTH_ORDER)
-    padded, slope = np.pad(values, reach, mode="edge"), np.zeros(len(values))
-    for away, weight in enumerate(SIXTH_ORDER, 1):
-        after, before = padded[reach + away :][: len(slope)], padded[reach - away :][: len(slope)]
-        slope += (weight / spacing) * (after - before)
+    slope = np.empty(len(values))
+    _differentiate(with_ends(values, len(SIXTH_ORDER)), SIXTH_ORDER / spacing, slope)
     return slope
+
+
+def with_ends(values: Floats, count: int) -> Floats:
+    """Values with the first and the last repeated so many times beyond the ends."""
+    return np.concatenate([np.full(count, values[0]), values, np.full(count, values[-1])])
+
+
+@compiled_once()
+def _differentiate(padded: Floats, weights: Floats, slope: Floats) -> None:
+    """Write the central difference with these weights, for pairs at a distance of 1, 2 and 3 samples."""
+    for n in range(len(slope)):
+        middle = n + len(weights)
+        total = 0.0
+        for k in range(len(weights)):
+            total += weights[k] * (padded[middle + k + 1] - padded[middle - k - 1])
+        slope[n] = total
 
 
 @cache

@@ -19,6 +19,7 @@ from gyrodrift.diagnose.features.spectral_line import white_dps
 from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import Recording, filled
@@ -157,7 +158,7 @@ def level_of(
     white = _quick_motion(cleaned, design, gyro).white_dps if gyro else None
     if white is None:
         white = _scatter_dps(cleaned, design, step_dps, in_motion=in_motion)
-    return Level(white, float(np.median(block_residual_dps(cleaned, design)[shows])))
+    return Level(white, median(block_residual_dps(cleaned, design)[shows]))
 
 
 def _scatter_dps(cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
@@ -181,7 +182,7 @@ def remaining_bias_dps(cleaned: Cleaned, design: DesignMatrix, rig: Rig, effects
     shows = _shows_bias(design, in_motion=is_hidden_at_rest(cleaned, design, extended))
     residual_dps = block_residual_dps(cleaned, design)
     unexplained_dps = [
-        float(np.median((residual_dps - block_means(error_dps(candidate_rig, design.motion), design.block))[shows]))
+        median((residual_dps - block_means(error_dps(candidate_rig, design.motion), design.block))[shows])
         for candidate_rig in (extended, rig)
     ]
     return rig.base.bias_dps + (unexplained_dps[0] - unexplained_dps[1])

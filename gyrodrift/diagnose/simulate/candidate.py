@@ -1,7 +1,7 @@
 """Candidate causes: an effect of the rig with its second parameter fixed, at a grid of sizes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 
 import numpy as np
@@ -67,6 +67,8 @@ class Candidate:
         then additions to the size in the rig.
     shape
         Rate that an out-of-catalog model adds; None for an effect of the catalog.
+    ruled_out
+        Number of sizes that a recording rules out. They are no part of `sizes`, but they had their prior probability.
     """
 
     name: str
@@ -84,6 +86,19 @@ class Candidate:
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
+    ruled_out: int = 0
+
+    def up_to(self, points: int) -> "Candidate":
+        """The candidate at its first grid points only, if a recording rules out larger sizes."""
+        if points == len(self.grid_points):
+            return self
+        kept = self.sizes <= self.grid_points[points - 1]
+        return replace(
+            self,
+            grid_points=self.grid_points[:points],
+            sizes=self.sizes[kept],
+            ruled_out=self.ruled_out + int(np.count_nonzero(~kept)),
+        )
 
     @property
     def stage(self) -> str:

@@ -1,6 +1,6 @@
 """Simulations of all sessions, in processes of this machine or by workers of a cluster."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -14,8 +14,9 @@ from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.simulate.repeats import is_shared, twins_of, with_shared
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
-from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
+from gyrodrift.diagnose.simulate.responses import Compared, change_in, null_runs_of, points_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.io.parallel import ClusterWorkers, workers
 from gyrodrift.io.progress import OnProgress
@@ -55,6 +56,8 @@ class SimulationPlan:
         Candidates to simulate.
     least_noise_dps_rthz
         Lower bound of the calibrated noise.
+    compared
+        Function that subtracts a baseline from the differences of a table; None without a baseline.
     """
 
     origins: tuple[Origin, ...]
@@ -63,12 +66,15 @@ class SimulationPlan:
     hints: Hints
     tried: tuple[Candidate, ...]
     least_noise_dps_rthz: float
+    compared: Compared | None = None
 
 
 def response_tables(
     plan: SimulationPlan, jobs: int, cluster: str | None, progress: OnProgress
 ) -> tuple[ResponseTable, ...]:
     """Response tables in the order of the sessions.
+
+    An effect has one size in all sessions. So the first session tells which sizes are simulated in all others.
 
     Raises
     ------
@@ -81,16 +87,27 @@ def response_tables(
         return _on_cluster(plan, cluster, progress)
     numbers = range(len(plan.subjects))
     with workers(min(jobs, len(numbers)), plan) as local:
-        tables = []
         progress(REPLAYED, 0, len(numbers))
-        for number, table in enumerate(local.map(_table, numbers), 1):
-            progress(REPLAYED, number, len(numbers))
+        tables = [*local.map(_table, [(0, None)])]
+        progress(REPLAYED, 1, len(numbers))
+        for done, table in enumerate(local.map(_table, [*enumerate(_others(plan, tables[0]), 1)]), 2):
+            progress(REPLAYED, done, len(numbers))
             tables.append(table)
-    return tuple(tables)
+    return with_shared(tables, twins_of(plan.subjects), plan.tried)
 
 
-def _table(plan: SimulationPlan, number: int) -> ResponseTable:
-    return response_table(plan.subjects[number], plan.tried, null_runs_of(len(plan.subjects)))
+def _others(plan: SimulationPlan, first: ResponseTable) -> list[dict[str, int]]:
+    """Number of grid points to simulate in each session but the first, by key of the candidate."""
+    shared = {key(candidate) for candidate in plan.tried if is_shared(candidate)}
+    points = points_of(first)
+    own = {name: 0 if name in shared else count for name, count in points.items()}
+    return [own if twins else points for twins in twins_of(plan.subjects)[1:]]
+
+
+def _table(plan: SimulationPlan, session: tuple[int, Mapping[str, int] | None]) -> ResponseTable:
+    """Simulate a session, by its index, at some grid points."""
+    index, points = session
+    return response_table(plan.subjects[index], plan.tried, null_runs_of(len(plan.subjects)), points, plan.compared)
 
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
@@ -102,18 +119,39 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tup
         names=frozenset(candidate.name for candidate in plan.tried),
         null_runs=null_runs_of(len(origins)),
         least_noise_dps_rthz=plan.least_noise_dps_rthz,
+        compared=plan.compared,
     )
     with closing(ClusterWorkers(address, "a diagnosis")) as shared:
         progress(REPLAYED, 0, len(origins))
-        tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins))
+        tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins[:1]))
+        progress(REPLAYED, 1, len(origins))
+        sent = [*zip(origins[1:], _others(plan, tables[0]), strict=True)]
+        if sent:
+            tables += shared.results(shared.submit(partial(_simulated_from, simulate), sent))
         progress(REPLAYED, len(origins), len(origins))
-    return tuple(tables)
+    return with_shared(tables, twins_of(plan.subjects), plan.tried)
+
+
+def _simulated_from(simulate: Callable[..., ResponseTable], sent: tuple[Origin, Mapping[str, int]]) -> ResponseTable:
+    """Simulate a session, by its origin, at some grid points."""
+    origin, points = sent
+    return simulate(origin, points=points)
 
 
 def read_and_simulate(
-    origin: Origin, rig: Rig, hints: Hints, names: frozenset[str], null_runs: int, least_noise_dps_rthz: float
+    origin: Origin,
+    rig: Rig,
+    hints: Hints,
+    names: frozenset[str],
+    null_runs: int,
+    least_noise_dps_rthz: float,
+    points: Mapping[str, int] | None = None,
+    compared: Compared | None = None,
 ) -> ResponseTable:
     """Read and simulate a session on a worker of a cluster, which needs access to the same path.
+
+    points, compared
+        As in `response_table`.
 
     Raises
     ------
@@ -124,9 +162,8 @@ def read_and_simulate(
     if origin.part >= len(recordings):
         raise DataError(f"{origin.path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(hints, rig) if candidate.name in names]
-    return response_table(
-        subject_of(origin.applied(recordings[origin.part]), rig, least_noise_dps_rthz), tried, null_runs
-    )
+    subject = subject_of(origin.applied(recordings[origin.part]), rig, least_noise_dps_rthz)
+    return response_table(subject, tried, null_runs, points, compared)
 
 
 class _Sessions(NamedTuple):

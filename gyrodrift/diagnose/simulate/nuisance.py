@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.recursion import OnePole
 from gyrodrift.diagnose.features.columns import WARMING
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
@@ -160,8 +160,7 @@ def of_angle_error(design: DesignMatrix, rng: np.random.Generator) -> Floats:
 def with_memory(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     """Correlated noise: a Gauss-Markov process with the time constant MEMORY_S and a variance of 1."""
     kept = np.exp(-design.period_s / MEMORY_S)
-    noise: Floats = lfilter([np.sqrt(1.0 - kept**2)], [1.0, -kept], rng.standard_normal(design.samples))
-    return noise
+    return OnePole(kept, np.float64(0.0))(np.sqrt(1.0 - kept**2) * rng.standard_normal(design.samples))
 
 
 def with_memory_in_motion(design: DesignMatrix, rng: np.random.Generator) -> Floats:

@@ -8,6 +8,9 @@ import numpy as np
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats
 
+ENOUGH = 8
+"""Number of realizations from which on a session has its own mean and covariance; fewer are pooled over sessions."""
+
 
 class Sized(NamedTuple):
     """A candidate with a size, and its phases in degrees, one per session, if its phase is free."""

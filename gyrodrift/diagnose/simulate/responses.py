@@ -3,17 +3,18 @@
 All simulations of a session are one task. The inference works on the resulting tables alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
+from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
+from gyrodrift.diagnose.simulate.response_table import ENOUGH, ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 from gyrodrift.values.arrays import Floats
 
@@ -22,9 +23,10 @@ NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 
 FIRST_NULL_SEED = 1000
 
-REALISATIONS_PER_NULL_RUN, REALISATIONS_LEAST = 2, 4
-"""Maximum number of realizations of a random candidate, per null run of a session, and its lower bound. For a few
-sessions this is about fifty in all sessions together."""
+REALISATIONS_PER_NULL_RUN, NULL_RUNS_OF_FEW = 2, 8
+"""Maximum number of realizations of a random candidate, per null run of a session: for a few sessions about fifty in
+all sessions together. The realizations of a candidate with less than ENOUGH are pooled. Up to three sessions, which
+have so many null runs, each have them all; more sessions have about as many together."""
 
 
 def null_runs_of(sessions: int) -> int:
@@ -32,40 +34,129 @@ def null_runs_of(sessions: int) -> int:
     return min(max(-(-NULL_RUNS_TOGETHER // sessions), NULL_RUNS_LEAST), NULL_RUNS_MOST)
 
 
-def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int) -> ResponseTable:
-    """Simulate a session without and with candidates, with the same random streams."""
+RULED_OUT = 30.0
+"""Norm of all features, in standard deviations, by which a size makes a recording less likely than no effect at all, so
+that larger sizes are not simulated. Chosen: a chi-squared of 900 and more, so that no error of a standard deviation
+from four null runs matters."""
+
+ADDED = (Touches.SLOW_RATE, Touches.RATE)
+"""What effects touch that only add to the rate."""
+
+Compared = Callable[[ResponseTable, DesignMatrix], ResponseTable]
+"""Function that subtracts a baseline from the differences of a table."""
+
+
+def response_table(
+    subject: Subject,
+    tried: Sequence[Candidate],
+    null_runs: int,
+    points: Mapping[str, int] | None = None,
+    compared: Compared | None = None,
+) -> ResponseTable:
+    """Simulate a session without and with candidates, with the same random streams.
+
+    points
+        Number of grid points to simulate, by key of the candidate; a candidate with 0 is left out. None simulates
+        rising sizes up to the first one that this session rules out.
+    compared
+        Function that subtracts a baseline, so that a size is judged by the remaining difference.
+    """
     own = subject.measured()
     base = [subject.base_run(seed) for seed in range(4)]
-    # Responses at all other phases are combined from these two.
-    simulated = [candidate for candidate in tried if candidate.phase_deg in (None, 0.0, 90.0)]
-    most = max(REALISATIONS_PER_NULL_RUN * null_runs, REALISATIONS_LEAST)
-    responses = {key(candidate): response(subject, _with_fewer(candidate, most), base) for candidate in simulated}
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
-    return ResponseTable(
+    table = ResponseTable(
         name=subject.cleaned.recording.name,
         difference=own.values - runs.mean(axis=0),
         thresholds=own.thresholds,
         runs=runs,
         nulls=nulls,
-        responses=responses,
+        responses={},
     )
+    judge = _SizeJudge(table if compared is None else compared(table, subject.design))
+    # Responses at all other phases are combined from these two.
+    simulated = [candidate for candidate in tried if candidate.phase_deg in (None, 0.0, 90.0)]
+    for candidate in simulated:
+        count = len(candidate.grid_points) if points is None else points[key(candidate)]
+        if not count:
+            continue
+        is_stopped = judge.rules_out if points is None and _may_stop(candidate) else _never
+        few = replace(candidate.up_to(count), realisations=_realisations_of(candidate, null_runs))
+        table.responses[key(candidate)] = response(subject, few, base, is_stopped)
+    return table
 
 
-def _with_fewer(candidate: Candidate, most: int) -> Candidate:
-    return replace(candidate, realisations=min(candidate.realisations, most))
+def points_of(table: ResponseTable) -> dict[str, int]:
+    """Number of simulated grid points, by key of the candidate."""
+    return {name: len(changes) for name, changes in table.responses.items()}
 
 
-def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:
+def plausible(tried: Sequence[Candidate], tables: Sequence[ResponseTable]) -> list[Candidate]:
+    """Candidates at the sizes that were simulated; the first recording rules out all larger ones."""
+    points = points_of(tables[0])
+    return [candidate.up_to(points.get(key(candidate), len(candidate.grid_points))) for candidate in tried]
+
+
+def _realisations_of(candidate: Candidate, null_runs: int) -> int:
+    """Number of realizations in a session that has so many null runs."""
+    count = candidate.realisations
+    if count < ENOUGH:
+        return min(count, -(-count * null_runs // NULL_RUNS_OF_FEW))
+    return min(count, REALISATIONS_PER_NULL_RUN * null_runs)
+
+
+def _may_stop(candidate: Candidate) -> bool:
+    """Whether each size is a stronger effect than the one before, and takes a simulation of its own."""
+    return candidate.in_rig is None and candidate.grid_points[0] > 0.0 and candidate.shape is None
+
+
+class _SizeJudge:
+    """Judges whether a session rules out a size, from the differences and the null runs of a table."""
+
+    def __init__(self, table: ResponseTable) -> None:
+        chance = table.nulls.var(axis=0) + table.runs.var(axis=0)
+        sigma = np.sqrt(np.square(table.thresholds) + chance)
+        self._weight = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > 0.0)
+        self._difference = table.difference - table.nulls.mean(axis=0)
+
+    def rules_out(self, change: Floats) -> bool:
+        """Whether a change of the features, (realizations, F), is far from the difference, and no effect is nearer."""
+        without, with_it = (
+            float(np.linalg.norm(values * self._weight))
+            for values in (self._difference, self._difference - change.mean(axis=0))
+        )
+        return with_it > without + RULED_OUT
+
+
+def _never(_: Floats) -> bool:
+    return False
+
+
+def response(
+    subject: Subject,
+    candidate: Candidate,
+    base: Sequence[BaseRun],
+    is_stopped: Callable[[Floats], bool] = _never,
+) -> Floats:
     """Change of the features by a candidate, shape (grid points, realizations, F).
 
-    Realizations use the base runs in rotation.
+    Realizations use the base runs in rotation. Sizes after one at which `is_stopped` are not simulated.
     """
     used = [(seed, base[seed % len(base)]) for seed in range(candidate.realisations)]
-    changes = []
+    added_dps = {seed: _added_dps(subject, candidate, run, seed) for seed, run in used} if _is_scaled(candidate) else {}
+    changes: list[Floats] = []
     for size in candidate.grid_points.tolist():
         calibrated = _calibrated(subject, candidate, size)
-        changes.append([_features_with(calibrated, candidate, size, run, seed) - run.values for seed, run in used])
+        features = [
+            _features_of_rate(subject, candidate, run, run.cleaned.rate_dps + size * added_dps[seed])
+            if added_dps
+            else _features_with(calibrated, candidate, size, run, seed)
+            for seed, run in used
+        ]
+        changes.append(np.array([values - run.values for values, (_, run) in zip(features, used, strict=True)]))
+        # An interpolation needs two sizes.
+        if len(changes) > 1 and is_stopped(changes[-1]):
+            break
     return np.array(changes)
 
 
@@ -84,22 +175,38 @@ def null_difference(subject: Subject, seed: int) -> Floats:
     return difference
 
 
-def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:
-    """Features with a realization of a candidate, shape (F,); unaffected features are copied from the base run."""
-    rig_effects = subject.rig.effects
+def _is_scaled(candidate: Candidate) -> bool:
+    """Whether a candidate adds a realization to the rate in proportion to its size, so that one holds for all sizes."""
+    return candidate.shape is not None or (candidate.realisations > 1 and candidate.touches in ADDED)
+
+
+def _added_dps(subject: Subject, candidate: Candidate, base: BaseRun, seed: int) -> Floats:
+    """Rate that a realization of a candidate adds at size 1, deg/s, shape (n,)."""
     if candidate.shape is not None:
-        shaped = subject.with_shape(candidate.shape, size, seed, base.cleaned)
-        is_slow = candidate.touches is Touches.SLOW_RATE
-        features_of = subject.residual_features if is_slow else subject.value_features
-        return _with_rest_of(features_of(shaped, base), base.values)
+        return subject.shape_dps(candidate.shape, seed)
+    largest = float(candidate.grid_points[-1])
+    effect = candidate.added(largest, subject.rig.effects)
+    return (subject.rate_with(effect, base, seed) - base.cleaned.rate_dps) / largest
+
+
+def _features_of_rate(subject: Subject, candidate: Candidate, base: BaseRun, rate_dps: Floats) -> Floats:
+    """Features of a base run with another rate, shape (F,); unaffected features are copied from the base run."""
+    simulated = replace(base.cleaned, rate_dps=rate_dps)
+    if candidate.touches is Touches.SLOW_RATE:
+        return _with_rest_of(subject.residual_features(simulated, base), base.values)
+    if candidate.touches is Touches.RATE:
+        simulated = subject.in_counts(simulated)
+    return _with_rest_of(subject.value_features(simulated, base), base.values)
+
+
+def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:
+    """Features with a realization of an effect, shape (F,); unaffected features are copied from the base run."""
+    rig_effects = subject.rig.effects
     effects = (candidate.applied(size, rig_effects),)
     match candidate.touches:
-        case Touches.SLOW_RATE:
-            with_it = subject.with_rate((candidate.added(size, rig_effects),), base, seed)
-            return _with_rest_of(subject.residual_features(with_it, base), base.values)
-        case Touches.RATE:
-            with_it = subject.with_rate((candidate.added(size, rig_effects),), base, seed)
-            return _with_rest_of(subject.value_features(subject.in_counts(with_it), base), base.values)
+        case Touches.SLOW_RATE | Touches.RATE:
+            rate_dps = subject.rate_with(candidate.added(size, rig_effects), base, seed)
+            return _features_of_rate(subject, candidate, base, rate_dps)
         case Touches.TIMES:
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
@@ -152,7 +259,8 @@ def _features(effects: Sequence[Sized], subject: Subject, simulated: Cleaned, se
     """
     for effect in effects:
         if effect.candidate.shape is not None:
-            simulated = subject.with_shape(effect.candidate.shape, effect.size, seed, simulated)
+            added_dps = effect.size * subject.shape_dps(effect.candidate.shape, seed)
+            simulated = replace(simulated, rate_dps=simulated.rate_dps + added_dps)
     if any(effect.candidate.touches in (Touches.TIMES, Touches.EVERYTHING) for effect in effects):
         return subject.measured_again(simulated).values
     return _with_rest_of(subject.values_measured_again(simulated), run)

@@ -216,25 +216,21 @@ class Subject:
         """Values of the features of clock and link, for effects that change nothing else."""
         return timing.measure(self.played(effects, seed)).values
 
-    def with_rate(self, effects: tuple[Effect, ...], base: BaseRun, seed: int) -> Cleaned:
-        """A base run with a realization of effects that only add to the rate; nothing is simulated again."""
+    def rate_with(self, effect: Effect, base: BaseRun, seed: int) -> Floats:
+        """Rate of a base run with a realization of an effect that only adds to the rate, deg/s, shape (n,)."""
         motion = self.motion(base.seed)
-        truth = moments_of(motion)
-        rate_dps = base.cleaned.rate_dps
-        for effect in effects:
-            rng = np.random.default_rng([self._stream(seed), crc32(effect.name.encode())])
-            rate_dps = effect.begin(rng, 1.0 / motion.period_s)(rate_dps, truth)
-        return replace(base.cleaned, rate_dps=rate_dps)
+        rng = np.random.default_rng([self._stream(seed), crc32(effect.name.encode())])
+        rate_dps: Floats = effect.begin(rng, 1.0 / motion.period_s)(base.cleaned.rate_dps, moments_of(motion))
+        return rate_dps
 
     def in_counts(self, simulated: Cleaned) -> Cleaned:
         """A simulation with its rate rounded to whole steps again, after something was added to the rate."""
         step_dps, rate_dps = self.facts.step_dps, simulated.rate_dps
         return replace(simulated, rate_dps=np.rint(rate_dps / step_dps) * step_dps if step_dps else rate_dps)
 
-    def with_shape(self, shape: Shape, size: float, seed: int, without: Cleaned) -> Cleaned:
-        """The simulation `without` with a shape added to its rate, for out-of-catalog models."""
-        added_dps = shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
-        return replace(without, rate_dps=without.rate_dps + size * added_dps)
+    def shape_dps(self, shape: Shape, seed: int) -> Floats:
+        """Rate that an out-of-catalog model adds at size 1, deg/s, shape (n,)."""
+        return shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
 
     def _with_base(self, base: Base) -> "Subject":
         return replace(self, rig=self.rig.model_copy(update={"base": base}))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.doctor.checks import device_yaw, drift, gravity, line, noise, port, sensor, stream
+from gyrodrift.doctor.checks import aids, device_yaw, drift, gravity, line, noise, port, sensor, stream
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding
 
@@ -15,6 +15,7 @@ CHECKS = (
     *sensor.CHECKS,
     *gravity.CHECKS,
     *device_yaw.CHECKS,
+    *aids.CHECKS,
     *noise.CHECKS,
     *drift.CHECKS,
 )

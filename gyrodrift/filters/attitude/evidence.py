@@ -8,7 +8,7 @@ from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.restlevel.hypotheses import PARTS
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 TURNS_PER_DPS = 0.03
 """Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions."""
@@ -42,6 +42,16 @@ Chosen: flicker of common parts within seconds."""
 
 LONGEST_DRIFT_S = 20.0
 """Longest drift of a bias since the last rest, s, as in restlevel."""
+
+
+def must_agree(h: Hypotheses, m: RestCandidate) -> Mask:
+    """Hypotheses (n) with a sure bias, if a candidate is a noisy rest: it has to agree with their bias.
+
+    A straight drive or a gentle bend looks the same as a rest with a running engine.
+    """
+    spread = np.trace(h.cov[:, BIAS, BIAS], axis1=1, axis2=2)
+    is_sure: Mask = h.knows_bias & (spread < 3.0 * (MODEL_ERROR * RAD) ** 2)
+    return is_sure & (m.kind.blocks > QUIET.blocks)
 
 
 class RestEvidence(NamedTuple):
@@ -83,7 +93,9 @@ def weigh(
     if h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
         jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / LONGEST_DRIFT_S)
-        rest = (1.0 - jumps) * normal_density(off, wide) + jumps * normal_density(off, wide + jump)
+        rest = normal_density(off, wide)
+        if not must_agree(h, m)[i]:
+            rest = (1.0 - jumps) * rest + jumps * normal_density(off, wide + jump)
         prior = spread + (c.bias_sigma / RAD) ** 2 * np.eye(3)
         if float(rate @ rate) < float(h.bias[i] @ h.bias[i]) / RAD**2:
             rest += MISTAKE_SHARE * normal_density(rate, prior)

@@ -8,7 +8,7 @@ velocity decide between the branches.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.evidence import ALIGNMENT, LONGEST_DRIFT_S, MODEL_ERROR, SAME_RATE, weigh
+from gyrodrift.filters.attitude.evidence import ALIGNMENT, LONGEST_DRIFT_S, MODEL_ERROR, SAME_RATE, must_agree, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
@@ -52,11 +52,10 @@ def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float
 
     `odds` are the prior odds of a rest, and `turn_on_bias` (3) is the mean of the prior of an unknown bias, rad/s.
     """
-    drifted = with_drift(h, c.drift_rate)
-    variance = np.diag(mean_variances(m))
+    drifted = with_drift(h, np.where(must_agree(h, m), 0.0, c.drift_rate))
     log_rest, log_motion = np.empty(len(h.weight)), np.empty(len(h.weight))
     for i in range(len(h.weight)):
-        evidence = weigh(c, drifted, i, m, _vertical(h, i, m), variance, turn_on_bias)
+        evidence = weigh(c, drifted, i, m, _vertical(h, i, m), np.diag(test_variances(h, m)[i]), turn_on_bias)
         log_rest[i] = evidence.rest + np.log(odds + 1e-300)
         log_motion[i] = evidence.motion
     most = max(log_rest.max(), log_motion.max())
@@ -73,8 +72,8 @@ def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float
     return rests.joined(motions)
 
 
-def with_drift(h: Hypotheses, drift_rate: float) -> Hypotheses:
-    """The hypotheses with the fastest drift of their biases since the last rest, rad/s², in their covariances.
+def with_drift(h: Hypotheses, drift_rate: Floats) -> Hypotheses:
+    """The hypotheses with the fastest drift of their biases (n) since the last rest, rad/s², in their covariances.
 
     The drift grew evenly, so the error of the heading is half of its end value times the time since the rest.
     """
@@ -99,6 +98,15 @@ def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
 def mean_variances(m: RestCandidate) -> Floats:
     """Variances (3) of the mean rates of a candidate as a bias, (rad/s)²."""
     return m.gyro_var * scatter_share(m) + (0.0 if m.kind is QUIET else (m.kind.bias * REST_BIAS) ** 2)
+
+
+def test_variances(h: Hypotheses, m: RestCandidate) -> Floats:
+    """Variances (n, 3) of the mean rates where hypotheses are tested, (rad/s)².
+
+    A rest that has to agree with a sure bias has the error of any rest.
+    """
+    agreeing = m.gyro_var * SPREAD_WEIGHT / m.kind.blocks + REST_BIAS**2
+    return np.where(must_agree(h, m)[:, None], agreeing, mean_variances(m))
 
 
 def rest_variances(h: Hypotheses, m: RestCandidate, overlap: float) -> Floats:

@@ -15,8 +15,8 @@ START_SPEED = 0.5
 """Standard deviation of the velocity at the first sample, m/s.
 Measured: recordings of five rigs, median heading error."""
 
-SPEED, CORRELATION_S = 0.7, 0.5
-"""Standard deviation of the bounded velocity, m/s, and its correlation time, s. Measured: as above."""
+SPEED, CORRELATION_S = 1.0, 0.5
+"""Standard deviation of the bounded velocity, m/s, and its correlation time, s. Measured: as above, and inclination."""
 
 SLOW_S, SPEED_MEMORY_S = 2.0, 10.0
 """Averaging times of the velocity and of its square, s. Chosen: a hand returns within 2 s and a vehicle does not."""

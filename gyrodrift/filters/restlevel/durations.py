@@ -22,8 +22,9 @@ LEVEL_S = 12.0
 
 For spins it is this probability to the power 1.5; the median is 15 s."""
 
-CHANCE_STAYS = 0.9
-"""Probability that a chance level lasts for a further block: 3 s on average. A noisy motion has no such end."""
+CHANCE_STAYS, NOISY_STAYS = 0.9, 0.985
+"""Probabilities that a chance level lasts for a further block, 3 s on average, and a noisy motion whose block means
+scatter less than white noise, 20 s. Other noisy motions have no such end. The second is chosen."""
 
 GRADUAL_REST, GRADUAL_SPIN, GRADUAL_CHANCE = 0.01, 0.1, 0.9
 """Shares of rests, spins and chance levels that end gradually. A chance level may be the flat part of a curve."""
@@ -56,10 +57,17 @@ def weigh_rest(h: Hypothesis, seconds: float, sensor_odds: float) -> None:
 
     `sensor_odds` is the likelihood ratio of `noise.sensor_odds`.
     """
-    _weigh(
-        h,
-        h.rest_odds * sensor_odds / (_spin_density(seconds) + h.chance_density + _noisy_density(h, sensor_odds)),
-    )
+    motion_density = _spin_density(seconds) + h.chance_density + _noisy_density(h, sensor_odds)
+    _weigh(h, h.rest_odds * sensor_odds / motion_density)
+
+
+def weigh_loud_rest(h: Hypothesis, seconds: float, level_density: float) -> None:
+    """Weigh a loud rest by its level and its length; its scatter is no evidence.
+
+    `level_density` is that of a rest, 1/(deg/s).
+    """
+    motion_density = _spin_density(seconds) + h.chance_density + h.noisy_density
+    _weigh(h, h.rest_odds * level_density / motion_density)
 
 
 def weigh_gradual_end(h: Hypothesis, seconds: float, sensor_odds: float) -> None:
@@ -69,9 +77,14 @@ def weigh_gradual_end(h: Hypothesis, seconds: float, sensor_odds: float) -> None
     _weigh(h, h.rest_odds * sensor_odds * GRADUAL_REST / no_rest)
 
 
-def outlast_motions(h: Hypothesis) -> None:
-    """Multiply the density of chance levels by the probability that such a level lasts for a further block."""
+def outlast_motions(h: Hypothesis, averages_out: bool) -> None:  # noqa: FBT001 - compiled code takes none by name
+    """Multiply the densities of motions by the probabilities that such a level lasts for a further block.
+
+    `averages_out` states that the block means scatter less than white noise.
+    """
     h.chance_density *= CHANCE_STAYS
+    if averages_out:
+        h.noisy_density *= NOISY_STAYS
 
 
 def _weigh(h: Hypothesis, odds: float) -> None:

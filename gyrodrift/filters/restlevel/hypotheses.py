@@ -9,14 +9,28 @@ also corrects the yaw error that a wrong bias has caused since the last rest.
 from math import exp
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.durations import begin_rest, outlast_motions, weigh_gradual_end, weigh_rest
+from gyrodrift.filters.restlevel.durations import (
+    begin_rest,
+    outlast_motions,
+    weigh_gradual_end,
+    weigh_loud_rest,
+    weigh_rest,
+)
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
+from gyrodrift.filters.restlevel.loud import (
+    LOUD_LEVEL_DPS,
+    LOUD_SHIFT_DPS,
+    LOUD_SHIFT_S,
+    count_motion,
+    level_density,
+    loud_odds,
+)
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest
 from gyrodrift.filters.restlevel.rate_state import NEVER
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
-from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
+from gyrodrift.filters.restlevel.segments import block_mean_var, confirming_blocks, is_from_start
 from gyrodrift.filters.restlevel.slide import follow_slide, mark_safe, restore_safe_bias, undo_safe_bias
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import forget_levels
@@ -46,6 +60,7 @@ def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
     forget_levels(s.wander)
     forget_turns(s.turns)
     forget_segments(s)
+    s.loud.motions = s.loud.motion_var = 0.0
     s.blocks = 0
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
@@ -71,7 +86,7 @@ def reopen(c: RestlevelCoefficients, s: RestlevelState) -> None:
 def forget_segments(s: RestlevelState) -> None:
     """Forget the present and the last segment."""
     s.wander.was_stationary = False
-    s.segment.blocks = 0
+    s.segment.blocks = s.loud.blocks = 0
     s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
 
 
@@ -110,6 +125,8 @@ def enter_segment(s: RestlevelState) -> None:
 
 def leave_segment(s: RestlevelState) -> None:
     """End the rest of all hypotheses at the end of a confirmed segment."""
+    if s.ended.is_loud:
+        count_motion(s)
     for h in s.hypotheses:
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
@@ -153,8 +170,9 @@ def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
 
     The rest begins where the segment began: its yaw is the yaw at that time.
     """
-    mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
-    _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
+    odds = c.start_odds if is_from_start(s, seconds) else c.rest_odds
+    odds = loud_odds(s, odds) if s.segment.is_loud else odds
+    _branch(c, s, s.segment.mean_dps, _level_var(s, seconds), odds)
 
 
 def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
@@ -163,12 +181,19 @@ def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -
     _branch(c, s, s.ended.mean_dps, mean_var, c.rest_odds)
 
 
+def _level_var(s: RestlevelState, seconds: float) -> float:
+    """Variance of the mean of a segment that is confirmed now, as a bias, (deg/s)²."""
+    mean_var = block_mean_var(s, seconds) / confirming_blocks(s.segment)
+    return mean_var + LOUD_SHIFT_DPS * LOUD_SHIFT_DPS if s.segment.is_loud else mean_var
+
+
 def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
     """Branch each hypothesis by the mean of a segment, its variance, and the prior odds of a rest."""
-    free = 0
+    is_loud, free = s.segment.is_loud, 0
+    level_var = LOUD_LEVEL_DPS * LOUD_LEVEL_DPS if is_loud else s.noise.sample_var
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
-        if h.weight == 0.0 or h.is_at_rest:
+        if h.weight == 0.0 or h.is_at_rest or (is_loud and not h.knows_bias):
             continue
         while s.hypotheses[free].weight > 0.0:
             free += 1
@@ -179,24 +204,25 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.knows_bias = h.knows_bias
         rest.turn_density = h.turn_density
         rest.is_at_rest, rest.was_at_rest = True, False
-        begin_rest(rest, s.wander, odds, s.noise.sample_var, mean_dps - h.bias_dps)
-        rest.weight = h.weight * exp(first_kalman_update(c, rest, mean_dps, mean_var))
-        weigh_rest(rest, s.segment.seconds, s.segment.sensor_odds)
+        begin_rest(rest, s.wander, odds, level_var, mean_dps - h.bias_dps)
+        log_likelihood = _measure_segment(c, s, rest, mean_dps, mean_var)
+        rest.weight = h.weight if is_loud else h.weight * exp(log_likelihood)
+        _weigh_segment(s, rest)
         mark_safe(rest)
     merge_and_prune(s)
 
 
 def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """Resume the segment before: its rests go on, and the blocks between are no evidence."""
-    mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
+    mean_dps, mean_var = s.segment.mean_dps, _level_var(s, seconds)
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
             _go_back(h, h)
             if s.ended.ended_gradually:
                 undo_safe_bias(h)
-            first_kalman_update(c, h, mean_dps, mean_var)
+            _measure_segment(c, s, h, mean_dps, mean_var)
             h.is_at_rest = True
-            weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
+            _weigh_segment(s, h)
     normalise(s)
 
 
@@ -204,24 +230,47 @@ def zero_velocity_update(
     c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float
 ) -> None:
     """Update hypotheses of rest by the mean of a further block of a confirmed segment, and learn the noise."""
-    noise = s.noise
-    mean_var = noise.angle_walk_var / seconds
+    noise, is_loud, mean_var = s.noise, s.segment.is_loud, block_mean_var(s, seconds)
+    if is_loud:
+        mean_var += LOUD_SHIFT_DPS * LOUD_SHIFT_DPS * LOUD_SHIFT_S / seconds
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     rest_weight = excess_var = 0.0
     for h in s.hypotheses:
         if h.weight == 0.0 or not h.is_at_rest:
             continue
         rest_weight += h.weight
-        outlast_motions(h)
-        weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
+        outlast_motions(h, s.segment.averages_out)
+        _weigh_segment(s, h)
         innovation_dps = mean_dps - h.bias_dps
         beyond_var = innovation_dps * innovation_dps - h.bias_var - mean_var - noise.flicker_var
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
         kalman_update(h, mean_dps, mean_var, ramp_var)
-        h.moving_s = 0.0
+        if not is_loud:
+            h.moving_s = 0.0
         follow_slide(c, h, seconds)
     normalise(s)
-    learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
+    if not is_loud:
+        learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
+
+
+def _measure_segment(
+    c: RestlevelCoefficients, s: RestlevelState, h: Hypothesis, mean_dps: float, mean_var: float
+) -> float:
+    """Update a hypothesis at the beginning of a rest; return the logarithm of the likelihood of the mean.
+
+    A loud rest is no reason for a ramp of the bias: a gentle bend has such a mean.
+    """
+    if s.segment.is_loud:
+        return kalman_update(h, mean_dps, mean_var, 0.0)
+    return first_kalman_update(c, h, mean_dps, mean_var)
+
+
+def _weigh_segment(s: RestlevelState, h: Hypothesis) -> None:
+    """Weigh the present rest of a hypothesis."""
+    if s.segment.is_loud:
+        weigh_loud_rest(h, s.segment.seconds, level_density(s, h))
+    else:
+        weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:

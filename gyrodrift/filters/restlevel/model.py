@@ -19,6 +19,7 @@ from gyrodrift.filters.restlevel.bias_state import (
 from gyrodrift.filters.restlevel.rate_state import (
     BlockStats,
     EndedSegment,
+    LoudNoise,
     MeanTurns,
     NoiseModel,
     RateSegment,
@@ -151,9 +152,9 @@ class RestlevelState:
         External rest sensor.
     remembered, recalled, sure, line
         Remembered biases; remembered noise; sure rests; bias against temperature.
-    block, noise, turns, wander, segment, ended, hypotheses, moments
-        Present block; noise of the sensor; mean rates; agreement of levels; present constant-rate segment; last segment
-        that has ended; Gaussian sum, and its moments at the beginning of the block.
+    block, noise, loud, turns, wander, segment, ended, hypotheses, moments
+        Present block; noise of the sensor; noise of louder blocks; mean rates; agreement of levels; present
+        constant-rate segment; last segment that has ended; Gaussian sum, and its moments at the beginning of the block.
     """
 
     t_s: float = 0.0
@@ -177,6 +178,7 @@ class RestlevelState:
     travelled_s: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
+    loud: LoudNoise = field(default_factory=LoudNoise)
     turns: MeanTurns = field(default_factory=MeanTurns)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)

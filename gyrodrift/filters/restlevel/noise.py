@@ -25,10 +25,10 @@ below `MAX_NOISE_VAR`, (deg/s)². Its root is twenty times `USUAL_NOISE_DPS`."""
 NOISE_BLOCKS = 20
 """Number of stationary blocks up to which the noise is their mean; after that it follows by `NOISE_GAIN`."""
 
-NOISE_GAIN = 0.05
+NOISE_GAIN = 0.01
 NOISE_RISE = 0.001
 """Weight of a stationary block in the logarithm of the noise, and relative rise of the noise in other blocks, 1/s. It
-rises because a motor may have been switched on."""
+rises because a motor may have been switched on. The first is small, so that a smooth road does not become the noise."""
 
 DROP_SIGMAS = 4.5
 """Distance of two consecutive variances below the noise, in standard errors, at which they replace the noise."""
@@ -62,7 +62,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < MAX_NOISE_VAR):
         _forget_blocks(noise)  # blocks of a repeated value show no noise
         variance = _variance(block, noise)
-    error = sqrt(2.0 / _independent(block))  # relative standard error of a variance
+    error = sqrt(2.0 / independent(block))  # relative standard error of a variance
     if noise.sample_var < 0.0:
         noise.sample_var = variance
     limit = 1.0 + c.stationarity_sigmas * error * sqrt(1.0 + 1.0 / max(noise.stationary_blocks, 1))
@@ -79,7 +79,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
         noise.sample_var *= 1.0 + NOISE_RISE * block.seconds
     noise.last_block_var = variance
     if not noise.is_walk_measured:
-        noise.angle_walk_var = 2.0 * noise.sample_var / _independent(block) * block.seconds
+        noise.angle_walk_var = 2.0 * noise.sample_var / independent(block) * block.seconds
     return variance < noise.sample_var * limit
 
 
@@ -136,7 +136,7 @@ def learn_at_rest(
     noise.is_walk_measured = noise.is_walk_measured or rest_weight > 0.5
     measured_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
     walk_var = noise.angle_walk_var + WALK_GAIN * rest_weight * (measured_var - noise.angle_walk_var)
-    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / _independent(block) * seconds)
+    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / independent(block) * seconds)
 
 
 def _forget_blocks(noise: NoiseModel) -> None:
@@ -146,7 +146,7 @@ def _forget_blocks(noise: NoiseModel) -> None:
     noise.has_steps, noise.is_walk_measured = True, False
 
 
-def _independent(block: BlockStats) -> int:
+def independent(block: BlockStats) -> int:
     """Number of independent samples of a block: all, unless most repeat the one before; two are the least."""
     return max(block.samples - block.repeats, 2) if 2 * block.repeats >= block.samples else block.samples
 

@@ -78,6 +78,26 @@ class NoiseModel:
 
 
 @dataclass(slots=True)
+class LoudNoise:
+    """Noise of blocks that are louder than the sensor; see `restlevel.loud`.
+
+    blocks, sample_var
+        Number of consecutive blocks that are equally loud, at most `noise.NOISE_BLOCKS`, and the mean variance of their
+        samples, (deg/s)².
+    mean_var
+        Variance of the block means of the present loud segment, (deg/s)².
+    motions, motion_var
+        Number of loud segments that were motions, and the mean variance of their samples, (deg/s)².
+    """
+
+    blocks: int = 0
+    sample_var: float = 0.0
+    mean_var: float = 0.0
+    motions: float = 0.0
+    motion_var: float = 0.0
+
+
+@dataclass(slots=True)
 class RateWander:
     """Agreement of consecutive stationary blocks outside of confirmed segments; see `restlevel.wander`.
 
@@ -103,14 +123,19 @@ class RateSegment:
 
     blocks
         Number of blocks so far; 0 without a segment, 1 where a segment begins.
+    is_loud
+        Whether its blocks are louder than the sensor, and equally loud.
     seconds
         Length, s, with the segments that it resumes.
     mean_dps
-        Mean of the block means, deg/s: of all up to `segments.MEAN_BLOCKS`, and after that a running mean.
+        Mean of the block means, deg/s: of all up to `segments.MEAN_BLOCKS`, and after that a running mean. In a loud
+        segment it is the mean of all.
     sum_squares
         Sum of the squared steps between block means, (deg/s)².
     sensor_odds
-        Likelihood ratio of its scatter, as in `noise.sensor_odds`.
+        Likelihood ratio of its scatter, as in `noise.sensor_odds`; 1 in a loud segment.
+    averages_out
+        Whether its block means scatter less than white noise.
     head_sum_dps
         Sum of the first two block means, deg/s.
     last_mean_dps
@@ -120,10 +145,12 @@ class RateSegment:
     """
 
     blocks: int = 0
+    is_loud: bool = False
     seconds: float = 0.0
     mean_dps: float = 0.0
     sum_squares: float = 0.0
     sensor_odds: float = 1.0
+    averages_out: bool = False
     head_sum_dps: float = 0.0
     last_mean_dps: float = 0.0
     least_dps: float = 0.0
@@ -136,6 +163,8 @@ class EndedSegment:
 
     mean_dps, seconds, sensor_odds
         Mean, deg/s, length, s, and likelihood ratio of its scatter.
+    is_loud, sample_var
+        Whether it was loud, and the variance of the samples of a loud segment, (deg/s)².
     ended_gradually
         Whether the rate left it slowly and stayed stationary, as it leaves the flat part of a curve.
     blocks_ago
@@ -147,6 +176,8 @@ class EndedSegment:
     mean_dps: float = 0.0
     seconds: float = 0.0
     sensor_odds: float = 1.0
+    is_loud: bool = False
+    sample_var: float = 0.0
     ended_gradually: bool = False
     blocks_ago: int = NEVER
     short_start_blocks: int = 0

@@ -2,9 +2,10 @@
 
 from math import sqrt
 
+from gyrodrift.filters.restlevel.loud import LOUD_BLOCKS, follow_means, is_steadily_loud, resumes
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import MIN_VAR, is_stationary, sensor_odds
-from gyrodrift.filters.restlevel.rate_state import EndedSegment, NoiseModel, RateSegment
+from gyrodrift.filters.restlevel.rate_state import RateSegment
 from gyrodrift.filters.restlevel.wander import count_agreement, count_break, forget_levels
 
 CONFIRMED_BLOCKS = 5
@@ -39,6 +40,10 @@ larger difference is a jump of the bias rather than a spin."""
 MEAN_BLOCKS = 10
 """Number of blocks in the mean of a segment."""
 
+LESS_THAN_WHITE = 0.4
+"""Scatter of the block means, as a variance of samples, below which it is less than that of white noise, over the
+variance of the samples. White noise has 0.5."""
+
 
 def track_segment(
     c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float
@@ -57,6 +62,7 @@ def track_segment(
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
     seconds_before, sensor_odds_before = segment.seconds, segment.sensor_odds
+    was_loud, was_confirmed, loud_before_var = segment.is_loud, is_confirmed(segment), s.loud.sample_var
     is_now_stationary = not s.noise.is_frozen and is_stationary(c, s.block, s.noise) and s.witness.moving == 0
     is_short_start = not is_now_stationary and _is_short_start(c, s, seconds)
     s.blocks += 1
@@ -69,19 +75,38 @@ def track_segment(
     if is_now_stationary and s.wander.was_stationary:
         _follow_wander(c, s, mean_dps, seconds)
     s.wander.was_stationary = is_now_stationary
-    if is_now_stationary:
-        _take_block(segment, s.noise, mean_dps, c.rate_ramp_dps_s * seconds, seconds)
-        if segment.blocks > 1:
-            segment.sensor_odds = sensor_odds(_scatter_var(segment, s.noise, s.block.samples))
+    may_be_loud = not is_now_stationary and not s.noise.is_frozen and s.witness.moving == 0
+    if is_now_stationary or not may_be_loud:
+        s.loud.blocks = 0
+    if is_now_stationary or (may_be_loud and is_steadily_loud(s)):
+        if segment.is_loud != may_be_loud:
+            segment.is_loud, segment.blocks = may_be_loud, 0
+        _take_block(c, s, mean_dps, seconds)
     else:
         segment.blocks = 0
     segment.last_mean_dps = mean_dps
     ended.short_start_blocks = blocks_before if is_short_start else 0
-    if is_short_start or blocks_before >= CONFIRMED_BLOCKS > segment.blocks:
+    if is_short_start or (was_confirmed and not is_confirmed(segment)):
         ended.mean_dps, ended.blocks_ago = mean_before_dps, 0
         ended.seconds, ended.sensor_odds = seconds_before, sensor_odds_before
-        ended.ended_gradually = is_now_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
+        ended.is_loud, ended.sample_var = was_loud, loud_before_var
+        ended.ended_gradually = not was_loud and is_now_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
     ended.blocks_ago += 1
+
+
+def confirming_blocks(segment: RateSegment) -> int:
+    """Number of blocks that confirm the segment."""
+    return LOUD_BLOCKS if segment.is_loud else CONFIRMED_BLOCKS
+
+
+def is_confirmed(segment: RateSegment) -> bool:
+    """Whether the segment is confirmed."""
+    return segment.blocks >= confirming_blocks(segment)
+
+
+def block_mean_var(s: RestlevelState, seconds: float) -> float:
+    """Variance of a block mean of the present segment, (deg/s)²."""
+    return s.loud.mean_var if s.segment.is_loud else s.noise.angle_walk_var / seconds
 
 
 def goes_on_gradually(s: RestlevelState, step_dps: float, seconds: float) -> bool:
@@ -94,32 +119,31 @@ def is_from_start(s: RestlevelState, seconds: float) -> bool:
     segment = s.segment
     mean_var = s.noise.angle_walk_var / seconds
     range_dps = segment.most_dps - segment.least_dps
-    return s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and range_dps < START_SIGMAS * sqrt(mean_var)
+    is_early = s.blocks < MAX_GAP_BLOCKS + CONFIRMED_BLOCKS and not segment.is_loud
+    return is_early and range_dps < START_SIGMAS * sqrt(mean_var)
 
 
 def update_mean(segment: RateSegment, mean_dps: float) -> None:
     """Update the mean of the segment by a further block."""
-    segment.mean_dps += (mean_dps - segment.mean_dps) / min(segment.blocks, MEAN_BLOCKS)
+    segment.mean_dps += (mean_dps - segment.mean_dps) / _mean_blocks(segment)
 
 
-def continues(
-    c: RestlevelCoefficients, segment: RateSegment, ended: EndedSegment, noise: NoiseModel, seconds: float
-) -> bool:
+def continues(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool:
     """Whether a confirmed segment resumes the segment before; `seconds` is the length of a block, s."""
-    mean_var = noise.angle_walk_var / seconds
+    segment, ended, mean_var = s.segment, s.ended, block_mean_var(s, seconds)
     ramp_dps = c.rate_ramp_dps_s * seconds * ended.blocks_ago
-    gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + noise.flicker_var
+    gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + s.noise.flicker_var
     sigmas = LONG_GATE_SIGMAS if ended.seconds >= LONG_SEGMENT_S else GATE_SIGMAS
     innovation_dps = segment.mean_dps - ended.mean_dps
     is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
-    return is_soon and abs(innovation_dps) < sigmas * sqrt(gate_var)
+    return is_soon and resumes(s) and abs(innovation_dps) < sigmas * sqrt(gate_var)
 
 
 def _is_short_start(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool:
     """Whether a present block in motion ends a short rest from the start."""
     blocks = s.segment.blocks
     is_long_enough = blocks >= SHORT_BLOCKS and blocks * seconds >= CONFIRMED_BLOCKS * c.window_s
-    return is_long_enough and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
+    return is_long_enough and not s.segment.is_loud and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
 
 
 def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
@@ -129,18 +153,20 @@ def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float,
     """
     segment = s.segment
     mean_var, ramp_dps = s.noise.angle_walk_var / seconds, c.rate_ramp_dps_s * seconds
-    if segment.blocks > 0 and not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, s.noise.flicker_var):
+    if segment.blocks > 0 and not _is_in_gate(s, mean_dps, mean_var, ramp_dps):
         count_break(s.wander, mean_dps - segment.mean_dps)
     elif segment.blocks < CONFIRMED_BLOCKS:
         count_agreement(s.wander)
 
 
-def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_dps: float, seconds: float) -> None:
-    """Extend the segment by a stationary block, or begin another segment."""
-    mean_var = noise.angle_walk_var / seconds
-    if segment.blocks == 0 or not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, noise.flicker_var):
+def _take_block(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
+    """Extend the segment by a stationary or loud block, or begin another segment."""
+    segment, ramp_dps = s.segment, c.rate_ramp_dps_s * seconds
+    if segment.blocks == 0 or not _is_in_gate(s, mean_dps, block_mean_var(s, seconds), ramp_dps):
         segment.blocks, segment.seconds, segment.sum_squares = 1, seconds, 0.0
         segment.head_sum_dps = segment.mean_dps = mean_dps
+        if segment.is_loud:
+            follow_means(s)
         return
     step_dps = mean_dps - segment.last_mean_dps
     segment.sum_squares += step_dps * step_dps
@@ -148,23 +174,35 @@ def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_d
     segment.seconds += seconds
     if segment.blocks == 2:
         segment.head_sum_dps += mean_dps
-    if segment.blocks == CONFIRMED_BLOCKS:
+    _follow_scatter(s)
+    is_rest_like = not segment.is_loud or follow_means(s)
+    if segment.blocks == confirming_blocks(segment):
         slope_dps = 0.5 * (segment.last_mean_dps + mean_dps - segment.head_sum_dps)
-        if abs(slope_dps) >= SLOPE_SIGMAS * sqrt(mean_var + 4.0 * ramp_dps * ramp_dps):
-            segment.blocks = 0
+        slope_var = block_mean_var(s, seconds) + 4.0 * ramp_dps * ramp_dps
+        is_rest_like = is_rest_like and abs(slope_dps) < SLOPE_SIGMAS * sqrt(slope_var)
+    if not is_rest_like:
+        segment.blocks = 0
 
 
-def _scatter_var(segment: RateSegment, noise: NoiseModel, samples: int) -> float:
-    """Scatter of the segment as a variance of samples, (deg/s)².
+def _follow_scatter(s: RestlevelState) -> None:
+    """Update the likelihood of the scatter of the segment, as a variance of samples, (deg/s)².
 
     It is the variance of the samples, or the variance that the steps between block means imply, if that is smaller. A
     vibration averages out within a block, a motion does not. For white noise the second is half of the first.
     """
-    step_var = segment.sum_squares / (segment.blocks - 1)
-    return max(MIN_VAR, min(noise.sample_var, 0.25 * samples * step_var))
+    segment = s.segment
+    sample_var = s.loud.sample_var if segment.is_loud else s.noise.sample_var
+    step_var = 0.25 * s.block.samples * segment.sum_squares / (segment.blocks - 1)
+    segment.averages_out = step_var < LESS_THAN_WHITE * sample_var
+    segment.sensor_odds = 1.0 if segment.is_loud else sensor_odds(max(MIN_VAR, min(sample_var, step_var)))
 
 
-def _is_in_gate(segment: RateSegment, mean_dps: float, mean_var: float, ramp_dps: float, flicker_var: float) -> bool:
+def _mean_blocks(segment: RateSegment) -> int:
+    """Number of blocks in the mean of the segment."""
+    return segment.blocks if segment.is_loud else min(segment.blocks, MEAN_BLOCKS)
+
+
+def _is_in_gate(s: RestlevelState, mean_dps: float, mean_var: float, ramp_dps: float) -> bool:
     """Whether a block mean may belong to the segment."""
-    gate_var = mean_var * (1.0 + 1.0 / min(segment.blocks, MEAN_BLOCKS)) + ramp_dps * ramp_dps + flicker_var
-    return abs(mean_dps - segment.mean_dps) < GATE_SIGMAS * sqrt(gate_var)
+    gate_var = mean_var * (1.0 + 1.0 / _mean_blocks(s.segment)) + ramp_dps * ramp_dps + s.noise.flicker_var
+    return abs(mean_dps - s.segment.mean_dps) < GATE_SIGMAS * sqrt(gate_var)

@@ -34,8 +34,10 @@ from gyrodrift.filters.restlevel.noise import FINE_DPS, begins_to_measure
 from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import (
     CONFIRMED_BLOCKS,
+    confirming_blocks,
     continues,
     goes_on_gradually,
+    is_confirmed,
     track_segment,
     update_mean,
 )
@@ -194,13 +196,14 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         end_certain_rest(s)
     predict(c, s, block.angle_deg, seconds)
     widen_yaw(s, seconds)
-    if not is_certain and segment.blocks > CONFIRMED_BLOCKS:
+    is_confirming = segment.blocks == confirming_blocks(segment)
+    if not is_certain and is_confirmed(segment) and not is_confirming:
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:
         update_mean(segment, mean_dps)
-    if not is_certain and segment.blocks == CONFIRMED_BLOCKS:
+    if not is_certain and is_confirming:
         _confirm(c, s, seconds)
-    elif segment.blocks < CONFIRMED_BLOCKS:
+    elif segment.is_loud or segment.blocks < CONFIRMED_BLOCKS:
         follow_turns(s.turns, block.angle_deg, seconds)
     weigh_turns(s)
     collapse(c, s)
@@ -217,12 +220,12 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
 
 def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """Resume the segment before, or branch the hypotheses, when a segment is confirmed."""
-    if continues(c, s.segment, s.ended, s.noise, seconds):
+    if continues(c, s, seconds):
         s.segment.seconds += s.ended.seconds
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.ended.ended_gradually:  # after a gradual end it belongs to the same turn as the segment before
+        if not s.segment.is_loud and not s.ended.ended_gradually:  # after a gradual end it is the same turn
             add_mean_rate(s.turns, s.segment.mean_dps)
 
 

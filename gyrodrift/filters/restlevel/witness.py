@@ -16,7 +16,7 @@ from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, first_kalman_update, 
 from gyrodrift.filters.restlevel.mixture import merge_and_prune
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest
-from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS
+from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_confirmed
 from gyrodrift.filters.restlevel.slide import mark_safe
 
 FIT_SIGMAS = 6.0
@@ -123,7 +123,7 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
 
 def end_certain_rest(s: RestlevelState) -> None:
     """End certain rests: without a confirmed segment no hypothesis stays at rest."""
-    if s.segment.blocks < CONFIRMED_BLOCKS:
+    if not is_confirmed(s.segment):
         for h in s.hypotheses:
             h.is_at_rest = False
 

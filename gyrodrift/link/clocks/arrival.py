@@ -5,7 +5,7 @@ samples wait until there is a line. Then time advances by one period per sample,
 it never goes back.
 """
 
-from gyrodrift.link.clocks.clock import Clock, SampleGap, rate_of_delta
+from gyrodrift.link.clocks.clock import Clock, SampleGap, rate_of_delta, timed_aids
 from gyrodrift.values.sample import Reading, Sample
 
 HOLD_S = 0.3
@@ -88,10 +88,11 @@ class ArrivalClock(Clock):
         on_line_s = self._fit.arrival_s(number) - self._origin_s
         lean_s = min(max(LEAN * (on_line_s - expected_s), -0.5 * self.period_s), 0.5 * self.period_s)
         self._time_s = expected_s + lean_s
-        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw, delta_deg = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw, delta_deg, aids = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(self._time_s, yaw_deg)
         elif delta_deg == delta_deg:  # noqa: PLR0124 - as above
             rate_dps = rate_of_delta(delta_deg, self.period_s + lean_s, self.period_s)
         t_host_s = self.epoch_s + arrival_s
-        return Sample(number, self._time_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw)
+        aids = aids and timed_aids(aids, self._time_s)
+        return Sample(number, self._time_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw, aids)

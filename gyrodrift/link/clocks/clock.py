@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, nan
 
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.constants import DELTA_GAP_PERIODS, DELTA_GAP_S, FULL_TURN_DEG
 from gyrodrift.values.sample import Reading, Sample
 
@@ -152,6 +153,11 @@ class ArrivalFit:
             return True
         self._scatter_s += (residual_s - self._scatter_s) / self.SCATTER_MEMORY
         return False
+
+
+def timed_aids(aids: tuple[Aid, ...], t_s: float) -> tuple[Aid, ...]:
+    """Measurements that count from a reading, on the clock of its sample; a time of NaN stays."""
+    return tuple(aid._replace(t_s=aid.t_s + t_s) for aid in aids)
 
 
 class Clock(ABC):

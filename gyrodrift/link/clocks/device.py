@@ -3,7 +3,7 @@
 from collections import deque
 from statistics import median
 
-from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap, rate_of_delta
+from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap, rate_of_delta, timed_aids
 from gyrodrift.values.constants import CLOCK_WRAP_US, COUNTER_WRAP, REPEATED_PERIODS
 from gyrodrift.values.sample import Reading, Sample
 
@@ -274,7 +274,7 @@ class DeviceClock(Clock):
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction in a csv.
-        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw, delta_deg = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw, delta_deg, aids = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(time_us * 1e-6, yaw_deg)
         elif delta_deg == delta_deg:  # noqa: PLR0124 - as above
@@ -283,7 +283,8 @@ class DeviceClock(Clock):
                 delta_deg, step_us * 1e-6 / max(1, counted if reading.seq is not None else 1), self.period_s
             )
         t_host_s = self.epoch_s + arrival_s
-        return Sample(seq, time_us / 1e6, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw)
+        aids, t_s = aids and timed_aids(aids, time_us / 1e6), time_us / 1e6
+        return Sample(seq, t_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw, aids)
 
 
 def _is_forward(suspect: Reading, reading: Reading) -> bool:

@@ -1,6 +1,7 @@
 """Source `can:CHANNEL`: a gyro on a CAN bus, through python-can."""
 
 import errno
+import json
 import os
 import socket
 from collections.abc import Mapping
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.can_dbc import SIGNALS, dbc_gyro
+from gyrodrift.link.sources.can_dbc import SIGNALS, SIGNALS_ALONE, dbc_gyro, dbc_signals
 from gyrodrift.link.sources.can_frames import CAN_PROTOCOL, EXTENDED, FORCES, RATES, CanGyro, CanReadings
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
@@ -85,7 +86,7 @@ CAN_GYROS = {
 """Gyros by name, with their usual ids."""
 
 
-OPTIONS = ("gyro", "dbc", *SIGNALS, "unit", "accel_unit", "ids", "z", "interface", "bitrate")
+OPTIONS = ("gyro", "dbc", "signals", *SIGNALS, "unit", "accel_unit", "ids", "z", "interface", "bitrate")
 USUAL_INTERFACE = "socketcan"
 
 FRAMES_PER_READ = 512
@@ -111,7 +112,7 @@ class CanPort(SourcePort):
     def __init__(self, path: str, bus: "can.BusABC", channel: str, gyro: CanGyro) -> None:
         super().__init__(path, _descriptor(bus))
         self._bus, self._channel, self._ids = bus, channel, gyro.ids
-        self._readings = CanReadings(gyro)
+        self._gyro, self._readings = gyro, CanReadings(gyro)
         if self.fd is None:
             self.wake_s = POLL_S
         else:
@@ -127,6 +128,9 @@ class CanPort(SourcePort):
             number = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
             if number in self._ids and not message.is_error_frame and not message.is_remote_frame:
                 time_us, content = max(0, round(message.timestamp * 1e6)), bytes(message.data)
+                if self._gyro.name == SIGNALS_ALONE:
+                    batch.add(json.dumps(self._gyro.fields(number, content)).encode(), None)
+                    continue
                 reading = self._readings.reading(time_us, number, content)
                 batch.add(self._line(message, time_us, content), reading)
         return batch
@@ -184,6 +188,8 @@ def gyro_of(address: SourceAddress) -> CanGyro:
     """
     channel, options = address.split_query(OPTIONS)
     names = ", ".join(CAN_GYROS)
+    if channel and {"dbc", "signals"} <= options.keys():
+        return dbc_signals(address.text, options)
     if not channel or ("gyro" in options) == ("dbc" in options) or ("dbc" in options) != ("signal" in options):
         raise UsageError(
             f"--port {address.text}: expected can:CHANNEL?dbc=FILE&signal=NAME, or can:CHANNEL?gyro=NAME with {names}"

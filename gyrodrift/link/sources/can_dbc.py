@@ -12,6 +12,9 @@ from gyrodrift.values.errors import UsageError
 SIGNALS = {"signal": "gz", "x": "gx", "y": "gy", "ax": "ax", "ay": "ay", "az": "az", "temp": "temp"}
 """Options of an address that name a signal, and the values that they give."""
 
+SIGNALS_ALONE = "signals"
+"""Name of frames whose signals are values of a second source, and no gyro."""
+
 RATE_UNITS = {
     **dict.fromkeys(("deg/s", "°/s", "deg/sec", "degree/s", "degrees/s", "dps", "grad/s"), "dps"),
     **dict.fromkeys(("rad/s", "rad/sec"), "rads"),
@@ -65,6 +68,29 @@ def dbc_gyro(text: str, options: Mapping[str, str], *, is_upside_down: bool) -> 
         }
 
     return CanGyro(options["signal"], frozenset(messages), fields, is_upside_down)
+
+
+def dbc_signals(text: str, options: Mapping[str, str]) -> CanGyro:
+    """Frames with the signals of the option `signals`, whose values are in the units of the file.
+
+    Raises
+    ------
+    UsageError
+        As for `dbc_gyro`.
+    """
+    database, names = _loaded(text, Path(options["dbc"])), options["signals"].split(",")
+    pairs = [_signal_named(text, database, "signals", name) for name in names]
+    messages = {message.frame_id | (EXTENDED if message.is_extended_frame else 0): message for message, _ in pairs}
+
+    def fields(number: int, content: bytes) -> Mapping[str, float]:
+        """Values of a frame by the names of its signals; empty if it does not fit the file."""
+        try:
+            decoded = messages[number].decode(content, decode_choices=False, allow_truncated=True)
+        except Exception:  # noqa: BLE001 - as above
+            return {}
+        return {name: float(value) for name, value in decoded.items() if isinstance(value, (int, float))}
+
+    return CanGyro(SIGNALS_ALONE, frozenset(messages), fields)
 
 
 def _loaded(text: str, path: Path) -> Any:

@@ -107,12 +107,13 @@ class McapDecoder(CountingDecoder):
 
 def _reading(sample: Sample) -> Reading:
     """Reading with the low bits of time and counter, as on a wire."""
-    seq, t_device_s, _, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw = sample
+    seq, t_device_s, _, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw, aids = sample
     t_us = round(t_device_s * 1e6) & CLOCK_MASK
     if device_yaw is not None and isnan(device_yaw.yaw_deg):  # a recording has no other sign of a missing result
         device_yaw = None
     count = seq & COUNTER_MASK if seq >= 0 else None
-    return Reading(t_us, count, rate_dps, encoder_deg, temp_c, still, nan, inertial, device_yaw)
+    aids = aids and tuple(aid._replace(t_s=aid.t_s - t_device_s) for aid in aids)
+    return Reading(t_us, count, rate_dps, encoder_deg, temp_c, still, nan, inertial, device_yaw, aids=aids)
 
 
 def _device(table: dict[str, str]) -> DeviceDescription:

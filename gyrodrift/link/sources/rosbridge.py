@@ -111,6 +111,9 @@ TLS = "wss"
 TYPE = "sensor_msgs/Imu"
 """Name of ROS 1, which servers of ROS 2 take too; a server without the type cannot subscribe before the publisher."""
 
+ANY_TYPE = "any"
+"""Type in an address for the one of the publisher, which must be there before."""
+
 LONGEST_MESSAGE_BYTES = 64 << 10
 """Longest message of the server."""
 
@@ -133,8 +136,8 @@ class RosbridgePort(SourcePort):
         self._parts: list[bytes] = []
         self._has_told = False
 
-    def subscribe(self, topic: str) -> None:
-        """Shake hands and subscribe.
+    def subscribe(self, topic: str, kind: str = TYPE) -> None:
+        """Shake hands and subscribe to messages of a type; ANY_TYPE for that of the publisher.
 
         Raises
         ------
@@ -150,7 +153,7 @@ class RosbridgePort(SourcePort):
             raise LinkError(f"{self.path}: this is no rosbridge server: {reason}")
         if self._protocol.close_expected():
             raise LinkError(f"{self.path}: the server ends the connection: {self._end_reason()}")
-        request = {"op": "subscribe", "topic": topic, "type": TYPE}
+        request = {"op": "subscribe", "topic": topic, **({} if kind == ANY_TYPE else {"type": kind})}
         self._protocol.send_text(json.dumps(request).encode())
         self._flush()
 
@@ -229,7 +232,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     """
     from websockets.uri import parse_uri
 
-    rest, options = address.split_query(TLS_OPTIONS)
+    rest, options = address.split_query(("type", *TLS_OPTIONS))
     host, port, topic = host_and_path(address, rest, USUAL_PORT)
     if not topic:
         raise UsageError(
@@ -240,7 +243,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     try:
         authority = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         subscription = RosbridgePort(channel, parse_uri(f"{address.scheme}://{authority}/"))
-        subscription.subscribe(f"/{topic}")
+        subscription.subscribe(f"/{topic}", options.get("type", TYPE))
     except PortGoneError as error:
         channel.close()
         raise LinkError(f"{address.text}: the server ends the connection") from error

@@ -9,7 +9,7 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 from struct import calcsize, unpack
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
@@ -21,42 +21,22 @@ KERNEL_BYTES = 64 << 10
 """Buffer of the kernel and of asyncio for a client. Messages there cannot be dropped any more, and are late."""
 
 
-class LineSession(Protocol):
-    """State of an output for one client."""
+class LineSession:
+    """State of an output for one client; this one ignores lines, and tells the client nothing."""
 
     def line(self, text: bytes) -> None:
         """Take a line that the client sent, without its end. ValueError refuses it and closes the connection."""
-        ...
 
-    def dropped(self, messages: int) -> bytes:
+    def dropped(self, messages: int) -> bytes:  # noqa: ARG002 - sessions of other protocols tell it
         """Message for a client that was too slow for some messages; empty for none."""
-        ...
+        return b""
 
-    def refused(self, why: str) -> bytes:
+    def refused(self, why: str) -> bytes:  # noqa: ARG002 - likewise
         """Message for a client before its connection is closed; empty for none."""
-        ...
+        return b""
 
     def closed(self) -> None:
         """End: the client has left."""
-        ...
-
-
-class SilentSession:
-    """A client whose lines are ignored, and that is told nothing."""
-
-    def line(self, text: bytes) -> None:
-        """Ignore it."""
-
-    def dropped(self, messages: int) -> bytes:  # noqa: ARG002 - sessions of other protocols tell it
-        """No message."""
-        return b""
-
-    def refused(self, why: str) -> bytes:  # noqa: ARG002
-        """No message."""
-        return b""
-
-    def closed(self) -> None:
-        """Release nothing."""
 
 
 class LineClient(asyncio.Protocol):

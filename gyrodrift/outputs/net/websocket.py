@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
@@ -36,31 +36,18 @@ LONGEST_REASON = 120
 """Longest reason in bytes; a close frame allows 123."""
 
 
-class WebSocketSession(Protocol):
-    """State of an output for one client."""
+class WebSocketSession:
+    """State of an output for one client; this one ignores messages, and tells the client nothing."""
 
     def message(self, content: str | bytes) -> None:
         """Take a message of the client. ValueError refuses it and closes the connection."""
-        ...
 
-    def dropped(self, messages: int) -> str | bytes:
+    def dropped(self, messages: int) -> str | bytes:  # noqa: ARG002 - sessions of other protocols tell it
         """Message for a client that was too slow for some messages; empty for none."""
-        ...
-
-    def closed(self) -> None:
-        """End: the client has left."""
-        ...
-
-
-class SilentWebSocketSession:
-    """A client that is told nothing of dropped messages, and has nothing to release."""
-
-    def dropped(self, messages: int) -> str:  # noqa: ARG002 - sessions of other protocols tell it
-        """No message."""
         return ""
 
     def closed(self) -> None:
-        """Release nothing."""
+        """End: the client has left."""
 
 
 class WebSocketClient:

@@ -23,7 +23,7 @@ from gyrodrift.outputs.health import health
 from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.servers import Periodic, ServerOutput
-from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import ControlAccess, OutputHost
 from gyrodrift.outputs.status import ServiceStatus
@@ -235,7 +235,7 @@ class WebOutput(ServerOutput[WebOptions, "WebSocketServer[WebSession]"]):
         return WebSession(client, None if access is None else Buttons(access))
 
 
-class WebSession:
+class WebSession(WebSocketSession):
     """One page.
 
     Parameters

@@ -109,7 +109,7 @@ def _by_host(session: Session, forward_s: Floats) -> OneClock:
     if host_s is None or np.mean(np.diff(host_s) > 0.0) < 1.0 - COARSE_SHARE:
         return OneClock(session, (SessionFinding("clock_stamps", says, DIGITS, is_error=True),))
     finding = SessionFinding("clock_stamps", f"{says}; the times of logging are used (t_host_s)")
-    return OneClock(replace(session, t_device_s=host_s), (finding,))
+    return OneClock(session.timed(host_s), (finding,))
 
 
 def _cuts(session: Session, period_s: float) -> _Cuts:
@@ -173,7 +173,7 @@ def _joined(session: Session, cuts: _Cuts, period_s: float) -> Session:
             encoder_deg = unwrapped(encoder_deg)
             encoder_deg[row:] += encoder_deg[last] - encoder_deg[row]
     restarts_s = tuple(t_s[cuts.restarts].tolist())
-    joined = replace(session, t_device_s=t_s, encoder_deg=encoder_deg, restarts_s=restarts_s)
+    joined = replace(session.timed(t_s), encoder_deg=encoder_deg, restarts_s=restarts_s)
     return joined.rows(np.delete(np.arange(len(t_s)), cuts.damaged)) if cuts.damaged else joined
 
 

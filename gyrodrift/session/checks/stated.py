@@ -70,7 +70,7 @@ class ReadingOptions:
             t_s = paced(len(t_s), session.seq, self.sample_rate_hz)
         elif self.time_unit and self.time_unit != time_unit:
             t_s, time_unit = t_s * time_factor(time_unit, self.time_unit), self.time_unit
-        session = replace(session, t_device_s=t_s, rate_scale=rate_scale, time_unit=time_unit)
+        session = replace(session.timed(t_s), rate_scale=rate_scale, time_unit=time_unit)
         return self._without(session) if self.without else session
 
     def _without(self, session: Session) -> Session:

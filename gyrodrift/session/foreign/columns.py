@@ -6,8 +6,10 @@ import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from gyrodrift.session.aids import COLUMN, aid_of
 from gyrodrift.session.csv import REQUIRED
 from gyrodrift.session.session import DEVICE_COLUMNS
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
@@ -52,7 +54,15 @@ def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
         still=number("still", fields.get("still")),
         inertial=_inertial(fields),
         device_yaw=_device_yaw(fields),
+        aids=_aids(fields),
     )
+
+
+def _aids(fields: Mapping[str, Any]) -> tuple[Aid, ...]:
+    try:
+        return tuple(map(aid_of, fields.get(COLUMN) or ()))
+    except (TypeError, ValueError) as error:
+        raise WrongValueError(f"has {COLUMN} that {error}") from error
 
 
 def _inertial(fields: Mapping[str, Any]) -> Inertial | None:

@@ -10,6 +10,7 @@ from typing import Any
 from gyrodrift import __version__
 from gyrodrift.io.files import whole_file
 from gyrodrift.io.json_numbers import finite
+from gyrodrift.session.aids import COLUMN, aid_values, aids_by_row
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 from gyrodrift.values.constants import NS_PER_S
@@ -99,7 +100,7 @@ float64 z
 JSON_SCHEMA = "gyrodrift.Sample"
 NUMBER_OR_NONE = {"type": ["number", "null"]}
 OPTIONAL_NUMBERS = ("encoder_deg", "temp_c", "still")
-SAMPLE_FIELDS = tuple(name for name in Sample._fields if name not in ("inertial", "device_yaw"))
+SAMPLE_FIELDS = tuple(name for name in Sample._fields if name not in ("inertial", "device_yaw", "aids"))
 ALWAYS_WRITTEN = ("t_device_s", "t_host_s", "rate_dps")
 """Null without a number; without `t_host_s` a reader would use the log time instead."""
 
@@ -177,7 +178,8 @@ def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
         for name, table in chunk.metadata.items() if number == 0 else ():
             writer.add_metadata(name, dict(table))
         columns = [chunk.filled(name).tolist() for name in SAMPLE_FIELDS]
-        columns += [_inertials(chunk), _device_yaws(chunk)]
+        aids = aids_by_row(chunk.aids or ())
+        columns += [_inertials(chunk), _device_yaws(chunk), [aids.get(row, ()) for row in range(len(chunk.rate_dps))]]
         yield from map(Sample._make, zip(*columns, strict=True))
 
 
@@ -226,11 +228,13 @@ def _json(sample: Sample) -> bytes:
     values |= inertial._asdict() if inertial else {}
     device_yaw = values.pop("device_yaw")
     values |= dict(zip(DEVICE_COLUMNS, device_yaw, strict=True)) if device_yaw else {}
-    fields: dict[str, float | None] = {
+    aids = list(map(aid_values, values.pop("aids")))
+    fields: dict[str, Any] = {
         name: finite(value) for name, value in values.items() if name in ALWAYS_WRITTEN or math.isfinite(value)
     }
     if sample.seq < 0:
         del fields["seq"]
+    fields |= {COLUMN: aids} if aids else {}
     return json.dumps(fields, allow_nan=False, separators=(",", ":")).encode()
 
 

@@ -8,6 +8,7 @@ import math
 import struct
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -15,6 +16,7 @@ import numpy as np
 from mcap.well_known import MessageEncoding
 from numpy.typing import NDArray
 
+from gyrodrift.session.aids import RowAid
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
 from gyrodrift.session.foreign.records import messages, records
@@ -83,8 +85,17 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
-    samples = _samples(f"{path}: {chosen}", file, decoders)
-    return session_of_rows(path.stem, sample_rows(samples), is_imu=is_imu, metadata=contents.metadata)
+    aids: list[RowAid] = []
+    samples = _with_aids(_samples(f"{path}: {chosen}", file, decoders), aids)
+    session = session_of_rows(path.stem, sample_rows(samples), is_imu=is_imu, metadata=contents.metadata)
+    return replace(session, aids=tuple(aids)) if aids else session
+
+
+def _with_aids(samples: Iterable[Sample], aids: list[RowAid]) -> Iterator[Sample]:
+    """The samples, whose measurements of second sources are added to a list."""
+    for row, sample in enumerate(samples):
+        aids += ((row, aid) for aid in sample.aids)
+        yield sample
 
 
 def sample_rows(samples: Iterable[Sample]) -> NDArray[np.void]:

@@ -3,7 +3,8 @@
 A sample is a message on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`. All samples of a file have the
 same size. It is larger for a device with three axes, and for one that sends its own yaw. A run of samples is a table
 that numpy reads at once, also in an unfinished file. A torn end costs only the torn message. `/raw` has the bytes of
-the link, a message per read. `/link` has link events as JSON. `/still` has rest flags from other sources than the rate.
+the link, a message per read. `/link` has link events as JSON. `/still` has rest flags from other sources than the rate,
+and `/aid` what second sources measured.
 
 Every byte has a CRC-32. A sample ends with its own. Other records are followed by a seal, a private record with theirs.
 Neither depends on its position: bytes before it may be missing or doubled. Each checksum is XORed with the salt of the
@@ -104,6 +105,17 @@ STILLS = Topic(
     '"properties": {"sample": {"type": "integer"}, "still": {"type": ["number", "null"]}}}',
 )
 """Rest flags: a message per change, with the number of the first sample that it applies to."""
+
+AIDS = Topic(
+    channel_id=5,
+    name="/aid",
+    message_encoding="json",
+    schema_name="gyrodrift.Aid",
+    schema_encoding="jsonschema",
+    schema_text='{"type": "object", "properties": {"sample": {"type": "integer"}, "name": {"type": "string"}, '
+    '"kind": {"type": "string"}, "value": {"type": "number"}, "t_s": {"type": "number"}}}',
+)
+"""Measurements of second sources, each with the number of the sample that it came with."""
 
 MESSAGE_OPCODE = 5
 CDR_LITTLE_ENDIAN = 0x00000100

@@ -13,16 +13,28 @@ from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from gyrodrift.io.system import read_at
+from gyrodrift.session.aids import RowAid, RowAids
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.ending import is_bare
 from gyrodrift.session.mcap.inspection import Inspection, inspect
-from gyrodrift.session.mcap.layout import LATEST_NS, LAYOUTS, MAGIC, MESSAGE_START, PROVED, REPAIR, SAMPLES, STILLS
+from gyrodrift.session.mcap.layout import (
+    AIDS,
+    LATEST_NS,
+    LAYOUTS,
+    MAGIC,
+    MESSAGE_START,
+    PROVED,
+    REPAIR,
+    SAMPLES,
+    STILLS,
+)
 from gyrodrift.session.mcap.rows import DEVICE_YAW, ROW_SIZES, ROWS, Rows, finished
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
     PlacedRecord,
     SampleRows,
     Walk,
+    aid_in,
     channel_of,
     metadata_of,
     schema_of,
@@ -121,6 +133,7 @@ class _Columns:
         self._most = min(zeros_at, most) // min(ROW_SIZES) + 1  # the last sample may end in zeros
         self._inspection = inspection
         self._stills: list[tuple[int, float]] = []
+        self._aids: list[RowAid] = []
         self._arrays: dict[str, NDArray[Any]] = {
             name: np.empty(self._most, np.int64 if name == "seq" else np.float64) for name in VALUES
         }
@@ -147,10 +160,13 @@ class _Columns:
         self._wide[name][self.count : end] = rows[name]
 
     def take_message(self, body: bytes) -> None:
-        """Read a message that is no sample: only rest flags are used."""
+        """Read a message that is no sample: rest flags and measurements of second sources are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             number, still = still_of(body[MESSAGE_START.size :])
             self._stills.append((min(max(number, 0), LATEST_SAMPLE), still))
+        elif body.startswith(AIDS.channel_id.to_bytes(2, "little")):
+            number, aid = aid_in(body[MESSAGE_START.size :])
+            self._aids.append((min(max(number, 0), LATEST_SAMPLE), aid))
 
     def _still(self) -> Floats | None:
         """Rest flag of every sample; unknown from a loss of records to the next flag."""
@@ -162,6 +178,14 @@ class _Columns:
         ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # a flag holds until the next one
         still: Floats = np.repeat([np.nan, *flags], np.diff(ends, prepend=0))
         return still
+
+    def _row_aids(self) -> RowAids | None:
+        """Measurements of second sources with the indices of their samples; None without any."""
+        if not self._aids:
+            return None
+        rows = self._inspection.kept_before([number for number, _ in self._aids])
+        placed = ((int(row), aid) for row, (_, aid) in zip(rows, self._aids, strict=True) if row < self.count)
+        return tuple(sorted(placed, key=itemgetter(0)))
 
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
         """The session, without the columns that the device never filled."""
@@ -175,6 +199,7 @@ class _Columns:
             seq=None if (columns["seq"] < 0).all() else columns["seq"],
             **{key: None if _is_empty(columns[key]) else columns[key] for key in OPTIONAL},  # type: ignore[arg-type]
             still=self._still(),
+            aids=self._row_aids(),
             metadata=metadata,
             damage=self._inspection.damage(columns["t_device_s"]),
             remarks=(UNPROVED,) if metadata.get(REPAIR, {}).get(PROVED) == "no" else (),
@@ -240,6 +265,9 @@ def add_chunk(writer: McapWriter, session: Session) -> None:
     rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
     if session.still is not None:
         _add_stills(writer, session.still, rows["log_time"])
+    for row, aid in session.aids or ():
+        t_host_s = float(rows["log_time"][row]) * 1e-9
+        writer.add_aid(writer.count + row, aid, float(session.t_device_s[row]), t_host_s)
     content = finished(rows, writer.count, writer.salt)
     writer.add_rows(content, int(rows["log_time"].min()), int(rows["log_time"].max()))
 

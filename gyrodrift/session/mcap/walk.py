@@ -16,8 +16,10 @@ from mcap.records import Channel, Header, McapRecord, Metadata, Schema
 
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.io.system import read_at
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES, STILLS
+from gyrodrift.session.aids import numbered_aid
+from gyrodrift.session.mcap.layout import AIDS, HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES, STILLS
 from gyrodrift.session.mcap.rows import ROW_START_BYTES, ROW_STARTS, Rows
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.secret import without_secrets
 
 CONFIG_TABLE = "config"
@@ -227,6 +229,14 @@ def still_of(content: bytes) -> tuple[int, float]:
         return int(values["sample"]), nan if values["still"] is None else float(values["still"])
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
+
+
+def aid_in(content: bytes) -> tuple[int, Aid]:
+    """Decode a measurement of a second source: the number of its sample, and the measurement."""
+    try:
+        return numbered_aid(content)
+    except ValueError as error:
+        raise BrokenRecordError(f"a message on {AIDS.name} is damaged") from error
 
 
 def metadata_of(body: bytes) -> Metadata:

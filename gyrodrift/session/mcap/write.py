@@ -26,7 +26,9 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
+from gyrodrift.session.aids import aid_values
 from gyrodrift.session.mcap.layout import (
+    AIDS,
     CDR_LITTLE_ENDIAN,
     CRC_BYTES,
     EVENTS,
@@ -45,6 +47,7 @@ from gyrodrift.session.mcap.layout import (
     salt_of,
     seal,
 )
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.sample import NO_AXES, NO_YAW, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
@@ -110,7 +113,7 @@ class FileSummary:
         return Statistics(
             attachment_count=0,
             channel_count=len(self.channels),
-            channel_message_counts=self.counts,
+            channel_message_counts=dict(sorted(self.counts.items())),
             chunk_count=0,
             message_count=count,
             message_start_time=self.first_ns if count else 0,
@@ -180,9 +183,11 @@ class McapWriter:
         crc32, salt, number = zlib.crc32, self.salt, self.count
         last_host_s, log_ns = nan, 0
         no_axes, no_yaw = NO_AXES if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
-        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw in samples:
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw, aids in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(number, still, t_host_s)
+            for aid in aids:
+                self.add_aid(number, aid, t_device_s, t_host_s)
             if t_host_s != last_host_s:  # samples that arrive together have the same time
                 last_host_s, log_ns = t_host_s, to_ns(t_host_s)
                 self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
@@ -227,6 +232,12 @@ class McapWriter:
         text = json.dumps({"sample": sample, "still": None if isnan(still) else still}).encode()
         self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
+    def add_aid(self, sample: int, aid: Aid, t_device_s: float, t_host_s: float) -> None:
+        """Add a measurement of a second source that came with a sample; without a time it has that of the sample."""
+        timed = aid._replace(t_s=t_device_s) if isnan(aid.t_s) else aid
+        text = json.dumps({"sample": sample, **aid_values(timed)}).encode()
+        self._others += self._message_head(AIDS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
+
     def add_read(self, content: bytes, t_host_s: float) -> None:
         """Add the bytes of a read of the port."""
         head = self._message_head(READS, READ_HEAD.size - HEAD.size + len(content), to_ns(t_host_s))
@@ -247,13 +258,16 @@ class McapWriter:
         self._send()
 
     def flush(self) -> None:
-        """Write everything added to the stream."""
-        self._hand_over(bytes(self._rows))
-        self._rows.clear()
+        """Write everything added to the stream.
+
+        Rest flags and second sources come before their samples, for a reader that follows the file.
+        """
         if self._others:
             self._hand_over(bytes(self._others))
             self._seal(bytes(self._others))
             self._others.clear()
+        self._hand_over(bytes(self._rows))
+        self._rows.clear()
         self._send()
 
     def finish(self) -> None:
@@ -280,7 +294,8 @@ class McapWriter:
 
     def _seal(self, content: bytes) -> None:
         """Queue the seal of the last bytes."""
-        self._hand_over(seal(self._seals, content, self.count, self.salt))
+        waiting = len(self._rows) // self._layout.message.size
+        self._hand_over(seal(self._seals, content, self.count - waiting, self.salt))
         self._seals += 1
 
     def _hand_over(self, content: bytes) -> None:

@@ -12,6 +12,7 @@ from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.naming import CLOCK_WORDS
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
+    AID_MEANINGS,
     ANGLE_DEG,
     CLOCK_US,
     IGNORED,
@@ -44,6 +45,7 @@ TARGETS = {
     "ax": "accel_x_mps2",
     "ay": "accel_y_mps2",
     "az": "accel_z_mps2",
+    **{name: name for name in AID_MEANINGS},
 }
 """Columns of a session by the meanings of a SPEC."""
 
@@ -95,12 +97,15 @@ class TableColumns:
         Indices and values of the rows to use; empty for all.
     remarks
         Notes for the user, a sentence each.
+    aids
+        Columns of second sources.
     """
 
     form: str
     used: tuple[UsedColumn, ...]
     where: tuple[tuple[int, str], ...] = ()
     remarks: tuple[str, ...] = ()
+    aids: tuple[Column, ...] = ()
 
     @property
     def targets(self) -> set[str]:
@@ -158,7 +163,8 @@ def columns_by_spec(head: Head, columns: Sequence[Column], *, needs_clock: bool 
         raise UsageError(f"--columns: {head.path}: no column is the clock: {clocks}")
     where = tuple((index, column.unit) for index, column in placed if column.meaning == SELECTED)
     remarks = (*_yaw_remarks(targets, ""), *_contradicted(head, columns, taken))
-    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, where, remarks), columns)
+    aids = tuple(column for column in columns if column.meaning in AID_MEANINGS)
+    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, where, remarks, aids), columns)
 
 
 def _with_labelled_unit(head: Head, table_columns: TableColumns, columns: Sequence[Column]) -> TableColumns:
@@ -167,7 +173,7 @@ def _with_labelled_unit(head: Head, table_columns: TableColumns, columns: Sequen
     if not head.labels:
         return table_columns
     taken = [_in_unit(head, used) if used.target in unstated else used for used in table_columns.used]
-    return TableColumns(table_columns.form, tuple(taken), table_columns.where, table_columns.remarks)
+    return replace(table_columns, used=tuple(taken))
 
 
 def _contradicted(head: Head, columns: Sequence[Column], taken: Sequence[UsedColumn]) -> tuple[str, ...]:
@@ -184,11 +190,11 @@ def _in_unit(head: Head, used: UsedColumn) -> UsedColumn:
     """Column in the unit of its label; the same column if that is no unit of rates, angles and accelerations."""
     unit = unit_in(head.labels[used.index]) if used.index < len(head.labels) else None
     factor = None
-    if unit is not None and used.target in RATE_TARGETS:
+    if unit is not None and used.target in RATE_TARGETS | {"turn_rate"}:
         factor = rate_factor(unit)
     elif unit is not None and used.target in FORCE_TARGETS and unit.dimension is Dimension.ACCELERATION:
         factor = ACCELERATION_MPS2.get(unit.option)
-    elif unit is not None and used.target in ANGLE_TARGETS and unit.dimension is Dimension.ANGLE:
+    elif unit is not None and used.target in ANGLE_TARGETS | {"heading"} and unit.dimension is Dimension.ANGLE:
         factor = ANGLE_DEG.get(unit.option)
     return used if factor is None else replace(used, scale=used.scale * factor)
 

@@ -2,16 +2,19 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrodrift.columns.aids import AidColumns
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import SELECTED, Column, quoted
 from gyrodrift.columns.times import AS_READ, StatedClock, unit_of_clock
 from gyrodrift.columns.units import Dimension, unit_in
+from gyrodrift.session.aids import RowAids
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
 from gyrodrift.session.tables.clocks import clock_problem, paced, rates_of_deltas
@@ -277,15 +280,32 @@ def _arrays(head: Head, table_columns: TableColumns, read: ColumnsRead, sample_r
     if len(parts) == 4:
         yaw_deg = _yaws(name, *parts)
         _check_axis(head, table_columns, parts)
+    aids = _row_aids(table_columns, read, t_s) if table_columns.aids else None
     if yaw_deg is not None:
-        t_s, rate_dps = rates_of(t_s, yaw_deg)
-        return _with_samples(Session(name, t_s, rate_dps))
+        rows_s, (t_s, rate_dps) = t_s, rates_of(t_s, yaw_deg)
+        after = [] if aids is None else [(int(np.searchsorted(t_s, rows_s[row])), aid) for row, aid in aids]
+        aids = tuple((row, aid) for row, aid in after if row < len(t_s)) or (aids and ())
+        return _with_samples(Session(name, t_s, rate_dps, aids=aids))
     columns["rate_dps"] = np.empty(0) if columns["rate_dps"] is None else columns["rate_dps"]
     if delta_deg is None:
-        return _with_samples(session_of_columns(name, columns))
+        session = session_of_columns(name, columns, aids=aids)
+        has_rate = np.isfinite(session.rate_dps) if aids else np.ones(len(session.rate_dps), bool)
+        return _with_samples(session if has_rate.all() else session.rows(np.flatnonzero(has_rate)))
     rows, rate_dps = rates_of_deltas(t_s, delta_deg)
-    whole = session_of_columns(name, columns | {"rate_dps": delta_deg})
+    whole = session_of_columns(name, columns | {"rate_dps": delta_deg}, aids=aids)
     return _with_samples(replace(whole.rows(rows), rate_dps=rate_dps))
+
+
+def _row_aids(table_columns: TableColumns, read: ColumnsRead, t_s: Floats) -> RowAids:
+    """Measurements of second sources in the rows, shape (n,), at times on their clock."""
+    reader = AidColumns(table_columns.aids)
+    meanings = [column.meaning for column in table_columns.aids]
+    values = [np.empty(0) if (column := read.column(meaning)) is None else column for meaning in meanings]
+    return tuple(
+        (row, aid._replace(t_s=row_s + (0.0 if isnan(aid.t_s) else aid.t_s)))
+        for row, (row_s, *cells) in enumerate(zip(t_s.tolist(), *(column.tolist() for column in values), strict=True))
+        for aid in reader.aids_of(dict(zip(meanings, cells, strict=True)))
+    )
 
 
 def _with_samples(session: Session) -> Session:

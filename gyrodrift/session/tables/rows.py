@@ -183,6 +183,8 @@ class RowReader:
         if self._keeps_empty:
             return values, rows
         has_rate = ~np.isnan(values[self._moved])
+        for column in self._columns.aids:  # a row may have a second source alone
+            has_rate |= np.isfinite(values[column.meaning])
         if has_rate.all():
             return values, rows
         self.columns_read.without_rate += int((~has_rate).sum())

@@ -6,14 +6,15 @@ from functools import cache
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, rows, scorer_of, simulated, simulator, tables
+from inference_support import SESSIONS, rows, scorer_of, simulated, simulated_at_random, simulator, tables
 from inference_support import concluded as concluded_of
 
-from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference import conclusion as rules
 from gyrodrift.diagnose.inference.conclusion import SIMULATED, Conclusion, conclude, kind_of
 from gyrodrift.diagnose.inference.posterior import Posterior, WeightedSet
 from gyrodrift.diagnose.inference.verdict import Kind
-from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
+from gyrodrift.diagnose.simulate.response_table import ENOUGH, SimulatedSet, Sized
 
 SCALE = {"rate": 1.0, "direction": 0.3}
 CLOCK = {"clock_ratio": 1.0, "stamp_wander": 0.3}
@@ -67,6 +68,21 @@ def test_a_gap_that_no_effect_makes_is_unknown() -> None:
     conclusion = concluded(temperature=12.0, wander_20s=-9.0)
     assert (conclusion.verdict.kind, conclusion.verdict.causes) == (Kind.UNKNOWN, ())
     assert conclusion.explanation.posterior.unknown > 0.9
+
+
+@pytest.mark.parametrize(("least", "names"), [(rules.PREDICTS, ["bias_instability"]), (1.1, [])])
+def test_a_random_cause_that_is_alone_must_close_a_part_of_the_gap(
+    least: float, names: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sessions that scatter as the effect does; without a name the verdict is unknown, not none."""
+    monkeypatch.setattr(rules, "PREDICTS", least)
+    numbers, draws = [NUMBER["walk_20s"], NUMBER["wander_20s"]], np.random.default_rng(2)
+    per_size = np.zeros((SESSIONS, ENOUGH, len(FEATURES)))
+    per_size[:, :, numbers] = 1.0 + 0.3 * draws.standard_normal((SESSIONS, ENOUGH, 2))
+    difference = 6.0 * per_size[:, 0] + 0.5 * draws.standard_normal((SESSIONS, len(FEATURES)))
+    verdict = concluded_of(difference, simulated_at_random("bias_instability", per_size)).verdict
+    assert [cause.effect.name for cause in verdict.causes] == names
+    assert verdict.kind is not Kind.NONE
 
 
 def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:

@@ -4,16 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inference_support import (
-    SESSIONS,
-    Simulated,
-    candidate,
-    exactly,
-    rows,
-    scorer_of,
-    simulated,
-    simulated_at_random,
-)
+from inference_support import SESSIONS, Simulated, candidate, exactly, rows, scorer_of, simulated, simulated_at_random
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.posterior import POWER

@@ -6,7 +6,14 @@ from inference_support import SESSIONS, row, scorer_of, simulated, with_differen
 from scipy.stats import norm
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.conclusion import CREDIBLE, SizePosterior, open_ends, quantiles, size_posterior
+from gyrodrift.diagnose.inference.conclusion import (
+    CREDIBLE,
+    SizePosterior,
+    open_ends,
+    probable_range,
+    quantiles,
+    size_posterior,
+)
 from gyrodrift.diagnose.inference.posterior import POWER
 from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
@@ -88,3 +95,24 @@ def test_quantiles_are_those_of_the_weights() -> None:
 
 def test_a_single_size_is_all_quantiles() -> None:
     assert quantiles(np.array([3.0, 3.0]), np.array([-900.0, -901.0]), CREDIBLE) == [3.0, 3.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("value", "tried", "ends"),
+    [
+        (100.0, [(60.0, 0.01), (100.0, 0.98), (160.0, 0.01)], (80.0, 130.0)),
+        (100.0, [(60.0, 0.3), (100.0, 0.6), (160.0, 0.1)], (60.0, 160.0)),
+        (2, [(1, 0.1), (2, 0.9)], (1.0, 2.0)),
+        (2, [(1, 0.01), (2, 0.99)], (2.0, 2.0)),
+        (20.0, [(20.0, 1.0)], (20.0, 20.0)),
+    ],
+)
+def test_a_second_parameter_is_known_up_to_halfway_to_the_next_tried_value(
+    value: float, tried: list[tuple[float, float]], ends: tuple[float, float]
+) -> None:
+    """Improbable values do not widen the interval, and a number of poles has nothing in between."""
+    assert probable_range(value, tried) == ends
+
+
+def test_an_interval_of_a_phase_goes_the_shorter_way() -> None:
+    assert probable_range(0.0, [(0.0, 0.9), (330.0, 0.08), (30.0, 0.02)], 360.0) == (-30.0, 15.0)

@@ -20,8 +20,9 @@ from inference_support import (
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.evidence import Response
-from gyrodrift.diagnose.inference.template import ENOUGH, FINER, NOTICEABLE, Template, templates_of
+from gyrodrift.diagnose.inference.template import FINER, NOTICEABLE, Template, templates_of
 from gyrodrift.diagnose.simulate.candidate import Touches
+from gyrodrift.diagnose.simulate.response_table import ENOUGH
 from gyrodrift.values.arrays import Floats
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG & ~LINEAR)[0])].name

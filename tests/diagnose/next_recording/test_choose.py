@@ -48,6 +48,7 @@ def test_temperature_and_warming_up_are_told_apart_by_warming_the_air() -> None:
     assert share_right(result, request) > 0.9
 
 
+@pytest.mark.evaluation
 def test_a_dead_band_is_looked_for_near_zero() -> None:
     rig = Rig(base=RIG.base.model_copy(update={"bias_dps": 0.35}))
     band = rig.model_copy(update={"effects": (parse_effect("deadband:width_dps=0.05"),)})

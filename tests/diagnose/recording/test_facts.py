@@ -204,7 +204,7 @@ EFFECTS = (
 ENCODERS = ("encoder_quantization", "encoder_quantization:cpr=4096", "encoder_slip", "encoder_eccentricity")
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.builds(
         Base,

@@ -45,10 +45,7 @@ def cause_of(scaled: Diagnosis, in_rig: Effect | None = None, phases_deg: Sequen
     size = Parameter("error_percent", 0.4, 0.38, 0.42, "%")
     rest = () if phases is None else (Parameter("phase_deg", 30.0, -180.0, 180.0, "deg"),)
     return replace(
-        named,
-        cause=Sized(candidate, 0.4, phases),
-        effect=ScaleFactor(error_percent=0.4),
-        parameters=(size, *rest),
+        named, cause=Sized(candidate, 0.4, phases), effect=ScaleFactor(error_percent=0.4), parameters=(size, *rest)
     )
 
 

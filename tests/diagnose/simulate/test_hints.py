@@ -33,11 +33,7 @@ def test_a_tone_is_found_at_its_frequency() -> None:
 
 
 def test_steps_and_limits_are_read_off() -> None:
-    hints = hints_with(
-        "quantization:step_dps=0.25",
-        "saturation:limit_dps=60",
-        "encoder_quantization:cpr=1024",
-    )
+    hints = hints_with("quantization:step_dps=0.25", "saturation:limit_dps=60", "encoder_quantization:cpr=1024")
     assert hints.rate_step_dps == pytest.approx(0.25, rel=2e-3)
     assert hints.largest_dps == pytest.approx(60.0, rel=0.01)
     assert hints.angle_step_deg == pytest.approx(360.0 / 1024.0, rel=0.02)

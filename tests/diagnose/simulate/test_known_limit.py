@@ -1,5 +1,6 @@
 """A rig with a known limit of its gyro: motion beyond the limit is no evidence."""
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
@@ -87,5 +88,6 @@ def test_what_is_added_to_the_rate_leaves_the_limit_where_it_was() -> None:
     rig = rig_of(125.0)
     item = seen_of(rig, 1, rig)
     base = item.base_run(1)
-    with_gain = item.with_rate((parse_effect("scale_factor:error_percent=1"),), base, 1)
+    rate_dps = item.rate_with(parse_effect("scale_factor:error_percent=1"), base, 1)
+    with_gain = replace(base.cleaned, rate_dps=rate_dps)
     assert item.design_for(with_gain, base) is base.design

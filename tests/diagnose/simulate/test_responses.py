@@ -6,23 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
-from simulate_support import (
-    HINTS,
-    MOTION,
-    RATE_HZ,
-    base_run,
-    candidate_of,
-    feature,
-    plain,
-    response_at,
-)
+from simulate_support import HINTS, MOTION, RATE_HZ, base_run, candidate_of, feature, plain, response_at
 
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.features.vector import FEATURES, STATIC
 from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
-from gyrodrift.diagnose.simulate.responses import response_table
+from gyrodrift.diagnose.simulate.responses import plausible, points_of, response_table
 from gyrodrift.values.arrays import Floats
 
 OF_TIMES = np.array(
@@ -162,3 +153,20 @@ def test_the_table_of_a_session_without_a_gap_is_within_its_null_distribution() 
     sigma = np.hypot(table.nulls.std(axis=0, ddof=1), table.thresholds)
     off = np.abs(table.difference - table.nulls.mean(axis=0))[sigma > 0.0] / sigma[sigma > 0.0]
     assert np.quantile(off, 0.95) < 3.0
+
+
+def test_a_grid_ends_at_the_first_size_that_a_recording_rules_out() -> None:
+    """A delay of 400 ms is not simulated in a session without a delay; its prior probability stays counted."""
+    latency = candidate_of("latency")
+    table = response_table(plain(), [latency], null_runs=1)
+    points = points_of(table)["latency "]
+    assert 2 <= points < len(latency.grid_points)
+    (kept,) = plausible([latency], [table])
+    assert kept.grid_points.tolist() == latency.grid_points[:points].tolist()
+    assert kept.sizes.max() <= kept.grid_points[-1]
+    assert len(kept.sizes) + kept.ruled_out == len(latency.sizes)
+    again = response_table(
+        plain(), [latency, candidate_of("scale_factor")], 1, {"latency ": points, "scale_factor ": 0}
+    )
+    assert np.array_equal(again.responses["latency "], table.responses["latency "])
+    assert "scale_factor " not in again.responses

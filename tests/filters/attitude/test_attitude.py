@@ -3,9 +3,14 @@
 from math import cos, nan, radians, sin
 from random import Random
 
+import numpy as np
 import pytest
 
-from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
+from gyrodrift.filters.attitude.hypotheses import BIAS as BIAS_STATES
+from gyrodrift.filters.attitude.hypotheses import REST, first_hypothesis
+from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState, coefficients
+from gyrodrift.filters.attitude.regimes import branch
+from gyrodrift.filters.attitude.rests import LONG_NOISY, NOISY, QUIET, RestCandidate, RestKind
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
@@ -69,8 +74,28 @@ def test_a_sample_without_progress_of_time_is_rejected(c: AttitudeCoefficients) 
 def test_yaw_stays_in_a_long_rest(c: AttitudeCoefficients) -> None:
     """Noise at rest is no turn: neither yaw nor its sigma grows."""
     rng, s = Random(3), AttitudeState()
-    for i in range(30_000):
+    for i in range(15_000):
         gx, gy, gz = (bias + rng.gauss(0.0, 0.1) for bias in BIAS)
         step(c, s, i * DT, gx, gy, gz, rng.gauss(0.0, 0.02), rng.gauss(0.0, 0.02), rng.gauss(9.81, 0.02))
     assert abs(s.yaw_deg) < 0.05
     assert s.yaw_sigma_deg < 0.1
+
+
+def rest_probability(c: AttitudeCoefficients, kind: RestKind, off_dps: float, sigma_dps: float) -> float:
+    """Probability of a rest whose vertical rate is off a known bias by so much, after 20 s of motion."""
+    h = first_hypothesis()
+    h.knows_bias[:], h.moving_s[:] = True, 20.0
+    h.cov[0, BIAS_STATES, BIAS_STATES] = (sigma_dps * RAD) ** 2 * np.eye(3)
+    rates = np.array((0.0, 0.0, off_dps * RAD))
+    candidate = RestCandidate(kind, rates, np.full(3, (0.1 * RAD) ** 2), np.array((0.0, 0.0, 9.81)))
+    branches = branch(c, h, candidate, 1.0, np.zeros(3))
+    return float(branches.weight[branches.regime == REST].sum() / branches.weight.sum())
+
+
+@pytest.mark.parametrize("kind", [NOISY, LONG_NOISY])
+def test_a_noisy_rest_agrees_with_a_sure_bias(c: AttitudeCoefficients, kind: RestKind) -> None:
+    """A gentle bend is as noisy and as even as a rest with a running engine."""
+    assert rest_probability(c, kind, 0.05, 0.02) > 0.9
+    assert rest_probability(c, kind, 0.3, 0.02) < 0.05
+    assert rest_probability(c, kind, 0.3, 0.2) > 0.3
+    assert rest_probability(c, QUIET, 0.2, 0.02) > 0.9

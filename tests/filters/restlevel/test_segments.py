@@ -182,8 +182,9 @@ def test_a_segment_continues_one_of_its_mean_within_ten_blocks(gap: int, mean_dp
     """Noisy blocks lie between the two."""
     s = RestlevelState()
     track(s, *[1.0] * 5)
-    track(s, *[1.0] * gap, variance=1.0)
+    for block in range(gap):
+        track(s, 1.0, variance=100.0**block)
     assert s.segment.blocks == 0
     track(s, *[mean_dps] * 5)
     assert s.segment.blocks == 5
-    assert continues(C, s.segment, s.ended, s.noise, 0.3) is expected
+    assert continues(C, s, 0.3) is expected

@@ -3,12 +3,7 @@
 import pytest
 
 from gyrodrift.filters.restlevel.rate_state import RateWander
-from gyrodrift.filters.restlevel.wander import (
-    count_agreement,
-    count_break,
-    forget_levels,
-    wander_probability,
-)
+from gyrodrift.filters.restlevel.wander import count_agreement, count_break, forget_levels, wander_probability
 
 
 def followed(blocks: int, breaks_every: int, step_dps: float = 0.5) -> RateWander:

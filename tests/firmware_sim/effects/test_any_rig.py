@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from annotated_types import Ge, Gt, Le
 from effects_bench import Record, effect_of, profile_of, record, rig_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.effects.catalogue import CATALOGUE
@@ -21,8 +21,6 @@ MOTION = profile_of(
     {"kind": "rest", "seconds": 0.3},
 )
 SAMPLES = 200
-
-few = settings(max_examples=60, deadline=None)
 
 
 def bounds_of(metadata: list[Any]) -> tuple[float, float]:
@@ -82,7 +80,6 @@ def test_every_effect_runs_at_both_ends_of_its_bounds(kind: type[Effect], end: i
     assert all(np.isfinite(array).all() for array in arrays(played(rig_of(effect))))
 
 
-@few
 @given(rigs)
 def test_every_number_is_one_and_within_its_range(rig: Rig) -> None:
     run = played(rig)
@@ -90,7 +87,6 @@ def test_every_number_is_one_and_within_its_range(rig: Rig) -> None:
     assert (np.abs(run.rate_dps) <= COUNTS_MAX * rig.base.dps_per_lsb * (1.0 + 1e-12)).all()
 
 
-@few
 @given(rigs)
 def test_counter_and_device_clock_rise(rig: Rig) -> None:
     run = played(rig)
@@ -98,7 +94,6 @@ def test_counter_and_device_clock_rise(rig: Rig) -> None:
         assert (np.diff(array, prepend=-1) > 0).all()
 
 
-@few
 @given(rigs)
 def test_nothing_arrives_before_it_was_measured_or_out_of_order(rig: Rig) -> None:
     """The host has a sample after its delay at the earliest, and after the sample before it or with it."""
@@ -107,7 +102,6 @@ def test_nothing_arrives_before_it_was_measured_or_out_of_order(rig: Rig) -> Non
     assert (np.diff(run.t_host_s) >= 0.0).all()
 
 
-@few
 @given(rigs, st.integers(0, 2**40))
 def test_the_same_seed_gives_the_same_bytes_for_any_rig(rig: Rig, seed: int) -> None:
     """Two runs agree in every bit."""
@@ -115,7 +109,6 @@ def test_the_same_seed_gives_the_same_bytes_for_any_rig(rig: Rig, seed: int) -> 
     assert [array.tobytes() for array in arrays(item)] == [array.tobytes() for array in arrays(second)]
 
 
-@few
 @given(rigs, st.integers(1, 2 * SAMPLES))
 def test_the_size_of_the_blocks_makes_no_difference_to_any_rig(rig: Rig, block_samples: int) -> None:
     """A float may round otherwise, and so a clock may differ by a microsecond; the rest of clock and link may not."""
@@ -127,7 +120,6 @@ def test_the_size_of_the_blocks_makes_no_difference_to_any_rig(rig: Rig, block_s
     assert np.mean(np.abs(item.rate_dps - second.rate_dps) > 1.01 * rig.base.dps_per_lsb) < 0.01
 
 
-@few
 @given(st.lists(effects, max_size=6, unique_by=lambda effect: effect.name), st.randoms())
 def test_the_order_of_a_rig_file_makes_no_difference(listed: list[Effect], random: Any) -> None:
     """Effects act in the order of the catalogue, however they are listed."""

@@ -4,7 +4,7 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
@@ -56,7 +56,6 @@ def played(rig: Rig, profile: str, size: int) -> TriaxialBlock:
     return whole
 
 
-@settings(max_examples=40, deadline=None)
 @given(rigs, profiles, st.sampled_from([32, 64, 96]))
 def test_blocks_of_any_size_hold_the_same_measurements(rig: Rig, profile: str, size: int) -> None:
     small, large = played(rig, profile, size), played(rig, profile, SAMPLES)
@@ -66,7 +65,6 @@ def test_blocks_of_any_size_hold_the_same_measurements(rig: Rig, profile: str, s
     assert large.accel_raw.min(initial=0) >= ACCEL_MISSING
 
 
-@settings(max_examples=20, deadline=None)
 @given(rigs, profiles)
 def test_every_protocol_plays_any_rig(rig: Rig, profile: str) -> None:
     """A frame per measurement; a BNO08x greets with one more."""

@@ -9,8 +9,7 @@ from firmware_sim.motion.profile import load_profile
 
 COUNT_DPS = 0.00763
 SLOW_RAMP = profile_of(
-    {"kind": "ramp", "seconds": 1.0, "to_dps": -2.0},
-    {"kind": "ramp", "seconds": 100.0, "to_dps": 2.0},
+    {"kind": "ramp", "seconds": 1.0, "to_dps": -2.0}, {"kind": "ramp", "seconds": 100.0, "to_dps": 2.0}
 )
 
 

@@ -2,17 +2,7 @@
 
 import numpy as np
 import pytest
-from effects_bench import (
-    REST,
-    SHIPPED,
-    effect_of,
-    profile_of,
-    put_in,
-    record,
-    rig_of,
-    sized,
-    tone,
-)
+from effects_bench import REST, SHIPPED, effect_of, profile_of, put_in, record, rig_of, sized, tone
 
 from firmware_sim.effects.effect import Effect, Floats, Moments
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency, Vibration

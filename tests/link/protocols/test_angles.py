@@ -9,7 +9,7 @@ from pathlib import Path
 from struct import pack
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sources_support import Host
 from support import speaking_on
@@ -204,7 +204,6 @@ def test_a_navx_message_worked_out_by_hand_is_read() -> None:
 
 
 @given(st.binary(max_size=2000))
-@settings(max_examples=200)
 def test_random_bytes_never_make_a_navx_sample(noise: bytes) -> None:
     """Nor do messages whose digits are damaged."""
     assert NavxDecoder().push(noise) == []

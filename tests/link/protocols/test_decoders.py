@@ -6,7 +6,7 @@ from itertools import islice, pairwise
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.measure import measure
@@ -94,7 +94,6 @@ def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
 
 
 @given(protocols, st.binary(max_size=2000))
-@settings(max_examples=300)
 def test_noise_is_never_more_than_counted(protocol: str, noise: bytes) -> None:
     decoder = PROTOCOLS[protocol].decoder()
     decoder.push(noise)

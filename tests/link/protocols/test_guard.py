@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
@@ -90,7 +90,6 @@ def test_a_decoder_that_fails_does_not_keep_others_from_being_found() -> None:
     assert [event for event, _ in heard.told] == ["decoder_failed"]
 
 
-@settings(max_examples=50)
 @given(st.lists(st.binary(max_size=200), max_size=8))
 def test_no_shipped_decoder_needs_it(chunks: list[bytes]) -> None:
     heard = Heard()

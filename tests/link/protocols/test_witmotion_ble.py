@@ -3,7 +3,7 @@
 from struct import pack
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.link.protocols.witmotion_ble import WitmotionBleDecoder
@@ -65,7 +65,6 @@ def test_what_no_device_feels_is_no_frame(g: tuple[float, float, float]) -> None
 
 @pytest.mark.promise("Text and units")
 @given(st.binary(max_size=4000), st.integers(1, 200))
-@settings(max_examples=300)
 def test_random_bytes_never_make_a_sample(noise: bytes, piece: int) -> None:
     """Random bytes give no sample in frames without a checksum."""
     decoder = WitmotionBleDecoder()

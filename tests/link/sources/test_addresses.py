@@ -66,9 +66,7 @@ def test_a_wrong_address_is_an_error_with_the_form(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("options", "expected"),
-    [
-        (LinkOptions("tcp://127.0.0.1:1", baud=9600), "this source has no baud rate; leave out --baud"),
-    ],
+    [(LinkOptions("tcp://127.0.0.1:1", baud=9600), "this source has no baud rate; leave out --baud")],
 )
 def test_an_option_without_effect_is_an_error(options: LinkOptions, expected: str) -> None:
     with pytest.raises(UsageError, match=expected):

@@ -18,9 +18,11 @@ from sources_support import Events, Host, read_until
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.second_source import SecondSource
 from gyrodrift.link.sources import can_dbc
 from gyrodrift.link.sources.can import gyro_of
 from gyrodrift.link.sources.can_frames import EXTENDED, CanGyro, CanReadings
+from gyrodrift.link.sources.opening import open_port
 from gyrodrift.link.sources.registry import address_of
 from gyrodrift.values.errors import DeviceSilentError, LinkError, UsageError
 from gyrodrift.values.sample import Reading, Sample
@@ -91,6 +93,17 @@ def readings_of(text: str, measurements: list[list[tuple[int, bytes]]]) -> list[
     gyro = CanReadings(gyro_at(text))
     frames = ((10_000 * step, *frame) for step, frames in enumerate(measurements) for frame in frames)
     return [reading for frame in frames if (reading := gyro.reading(*frame)) is not None]
+
+
+def test_signals_of_a_second_source_are_values(dbc: Path) -> None:
+    """Signals of a car, by the names of a DBC file; other frames are passed by."""
+    with bus(interface="virtual", channel="car") as sender:
+        port = open_port(f"can:car?dbc={dbc}&signals=YawRate&interface=virtual", 0)
+        for number in (177, 176):
+            sender.send(can.Message(arbitration_id=number, data=bytes([200, 0, *[0] * 6]), is_extended_id=False))
+        (aid,) = SecondSource("car", "YawRate=turn_rate").take(port.read())
+        port.close()
+    assert (aid.name, aid.kind, aid.value) == ("car.YawRate", "turn_rate", pytest.approx(2.0))
 
 
 def test_a_bosch_sensor_has_three_axes() -> None:

@@ -15,6 +15,7 @@ import pytest
 from broker_support import certificate, needs_openssl
 from outputs_support import AXES, corrected, hub, tilted
 from sources_support import PATIENCE_S, Events, Host, read_until, serving
+from support import awaited
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -65,7 +66,7 @@ class Bridge:
     def __init__(self, port: int, tls: ssl.SSLContext | None = None) -> None:
         self.requests: list[dict[str, Any]] = []
         self._clients: list[ServerConnection] = []
-        self._server = serve(self._hold, "127.0.0.1", port, ssl=tls)
+        self._server = serve(self._hold, "127.0.0.1", port, ssl=tls, close_timeout=0.1)
         self.port = self._server.socket.getsockname()[1]
         self._thread = threading.Thread(target=self._server.serve_forever)
         self._thread.start()
@@ -81,10 +82,7 @@ class Bridge:
 
     def send(self, message: str | list[str]) -> None:
         """To the newest client; a list is a message in fragments."""
-        until_s = time.monotonic() + PATIENCE_S
-        while not self._clients:
-            assert time.monotonic() < until_s
-            time.sleep(0.005)
+        awaited(lambda: self._clients)
         self._clients[-1].send(message)
 
     def close(self) -> None:

@@ -107,10 +107,7 @@ LAST = b"\xff" * 8
             changed(CHUNKED["zstd"], place_of(CHUNKED["zstd"], CHUNK) + 60, LAST),
             "a chunk cannot be opened: zstd refuses it",
         ),
-        (
-            changed(CHUNKED["zstd"], place_of(CHUNKED["zstd"], CHUNK) + 25, LAST),
-            "a chunk claims 1844674407370955",
-        ),
+        (changed(CHUNKED["zstd"], place_of(CHUNKED["zstd"], CHUNK) + 25, LAST), "a chunk claims 1844674407370955"),
         (
             changed(CHUNKED["lz4"], place_of(CHUNKED["lz4"], CHUNK) + 25, b"\7\0\0\0"),
             "does not have the 7 bytes that it claims",

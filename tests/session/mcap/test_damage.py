@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
@@ -25,7 +25,6 @@ COUNT, FLUSHED = 1000, 25
 BLOCK = 4096
 RATE_OFFSET = struct.calcsize(SAMPLE_HEAD + "qdd")
 COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c")
-patient = settings(deadline=None, max_examples=60)
 
 
 def recording(*, is_finished: bool = True, device_id: str = "bench") -> bytes:
@@ -138,8 +137,7 @@ def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole:
 
 
 @pytest.mark.promise(
-    "Crashes",
-    "records in another place are read in their order, and a sample of another recording is not read",
+    "Crashes", "records in another place are read in their order, and a sample of another recording is not read"
 )
 def test_samples_of_another_recording_are_none_of_this_one(tmp_path: Path, whole: Session) -> None:
     stranger = recording(device_id="shelf")
@@ -215,7 +213,6 @@ def damaged(content: bytes, location: int, size: int, kind: str) -> bytes:
     "for any change to a closed recording (except two damages near a cut), either all samples are read, "
     "or the damage is reported",
 )
-@patient
 @given(st.lists(damages, min_size=1, max_size=2))
 def test_whatever_is_done_to_a_recording_is_told_or_harmless(
     tmp_path_factory: pytest.TempPathFactory, done: list[tuple[int, int, str]]

@@ -28,7 +28,10 @@ from gyrodrift.values.sample import Sample
 
 any_float = st.floats(width=64)
 samples = st.lists(
-    st.builds(Sample, st.integers(0, 2**62), any_float, st.floats(0, 4e9), any_float, any_float, any_float), min_size=1
+    st.builds(
+        Sample, st.integers(0, 2**62), any_float, st.floats(0, 4e9), any_float, any_float, any_float, aids=st.just(())
+    ),
+    min_size=1,
 )
 METADATA = {"device": {"id": "bench", "rate": "100"}, "host": {"name": "here"}}
 

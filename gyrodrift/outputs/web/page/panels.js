@@ -79,6 +79,12 @@ export function showTilt({ roll, pitch }) {
   byId("tilt-pitch").textContent = nose(pitch);
 }
 
+// Age and weight of a second source, or why it is left out.
+function aidText({ age_s: ageS, weight, differs }) {
+  if (differs) return `left out: ${differs}`;
+  return `${ageS === null ? "no measurement" : `${words.number(ageS, 1)} s ago`}${weight === null ? "" : `, ${words.percent(weight)} agree`}`;
+}
+
 export function showState({ status, health }) {
   const { link, device, config } = status;
   isCalibrated = config.calibration !== null;
@@ -94,6 +100,7 @@ export function showState({ status, health }) {
     ["Device clock", link.clock_ppm === null ? "" : `${words.signed(link.clock_ppm, 0)} ppm`],
     ["Line used", link.busy ? words.percent(link.busy) : ""],
     ["Protocol", link.protocol + (link.baud ? `, ${link.baud} baud` : "")],
+    ...Object.entries(status.filter.aids ?? {}).map(([name, aid]) => [`Second source ${name}`, aidText(aid)]),
   ]);
   const taken = config.applied ? `, ${words.counted(config.applied, "change")} applied, the last at ${words.clock(config.applied_s)}` : "";
   byId("config-file").textContent = config.file ? `${config.file}${taken}` : `Without a file: ${config.filter} at its defaults.`;

@@ -98,15 +98,28 @@ static inline void gd_attitude_log_first_rest(gd_real *level, gd_real *rest, gd_
   *rest = gd_log_add(GD_LOG(GD_ATTITUDE_ONE_KIND) + *rest, vertical);
 }
 
+/* Whether a candidate is a noisy rest, and the bias of a hypothesis is sure. Such a rest has to agree with the bias: a
+   straight drive or a gentle bend looks the same. */
+static inline int gd_attitude_must_agree(const gd_attitude_hypothesis *h, const gd_attitude_candidate *m) {
+  const gd_real most = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_RAD;
+  gd_real spread[9];
+  gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
+  return m->kind.blocks > GD_ATTITUDE_QUIET_BLOCKS && h->knows_bias &&
+         spread[0] + spread[4] + spread[8] < GD_R(3.0) * most * most;
+}
+
 /* Sigma of the drift of a bias since the last rest, rad/s. */
-static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h) {
-  return h->knows_bias ? a->c.drift_rate * gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S) : GD_R(0.0);
+static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h,
+                                        const gd_attitude_candidate *m) {
+  const gd_real seconds = gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S);
+  return h->knows_bias && !gd_attitude_must_agree(h, m) ? a->c.drift_rate * seconds : GD_R(0.0);
 }
 
 /* Add the drift since the last rest to a covariance. It grew evenly, so the error of the heading is half of its end
    value times the time since the rest. */
-static inline void gd_attitude_add_drift(const gd_attitude *a, gd_attitude_hypothesis *h) {
-  const gd_real drift = gd_attitude_drift(a, h), half_s = GD_R(0.5) * h->moving_s;
+static inline void gd_attitude_add_drift(const gd_attitude *a, gd_attitude_hypothesis *h,
+                                         const gd_attitude_candidate *m) {
+  const gd_real drift = gd_attitude_drift(a, h, m), half_s = GD_R(0.5) * h->moving_s;
   gd_real up[3];
   int i;
   gd_up_in_sensor(up, h->q);
@@ -126,7 +139,7 @@ typedef struct {
 static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attitude *a,
                                          const gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
                                          const gd_real up[3], const gd_real variance[3]) {
-  const gd_real drift = gd_attitude_drift(a, h);
+  const gd_real drift = gd_attitude_drift(a, h, m);
   const gd_real error = h->knows_bias ? GD_ATTITUDE_SAME_RATE : GD_ATTITUDE_MODEL_ERROR;
   gd_real basis[9], off[3], rate[3], turn_on[3], spread[9];
   int i;
@@ -151,13 +164,16 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
                    GD_ATTITUDE_ALIGNMENT * GD_ATTITUDE_ALIGNMENT * gd_dot(out->rate, out->rate);
 }
 
-/* Logarithm of the density of a rest whose bias is known. */
+/* Logarithm of the density of a rest whose bias is known, and may have jumped. */
 static inline gd_real gd_attitude_log_known_rest(const gd_attitude_hypothesis *h, const gd_attitude_offset *o,
-                                                 gd_real prior_var) {
+                                                 gd_real prior_var, int may_jump) {
   const gd_real jump_var = GD_ATTITUDE_JUMP * GD_ATTITUDE_JUMP * prior_var;
   const gd_real jumps = GD_ATTITUDE_JUMP_SHARE * gd_min(GD_R(1.0), h->moving_s / GD_ATTITUDE_LONGEST_DRIFT_S);
-  gd_real rest = GD_LOG(GD_R(1.0) - jumps) + gd_log_density(o->off, o->spread, o->error_var, 3);
-  rest = gd_log_add(rest, GD_LOG(jumps) + gd_log_density(o->off, o->spread, o->error_var + jump_var, 3));
+  gd_real rest = gd_log_density(o->off, o->spread, o->error_var, 3);
+  if (may_jump) {
+    const gd_real jumped = gd_log_density(o->off, o->spread, o->error_var + jump_var, 3);
+    rest = gd_log_add(GD_LOG(GD_R(1.0) - jumps) + rest, GD_LOG(jumps) + jumped);
+  }
   if (gd_dot(o->rate, o->rate) < gd_dot(h->bias, h->bias) / (GD_ATTITUDE_RAD * GD_ATTITUDE_RAD)) {
     rest = gd_log_add(rest, GD_LOG(GD_ATTITUDE_MISTAKE_SHARE) + gd_log_density(o->rate, o->spread, prior_var, 3));
   }
@@ -180,7 +196,7 @@ static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, con
   level = gd_log_density(o.off, o.spread, o.error_var, 2);
   chance = gd_log_density(o.off, o.spread, o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD, 3);
   if (h->knows_bias) {
-    rest = gd_attitude_log_known_rest(h, &o, sigma * sigma);
+    rest = gd_attitude_log_known_rest(h, &o, sigma * sigma, !gd_attitude_must_agree(h, m));
   } else {
     gd_attitude_log_first_rest(&level, &rest, sigma * sigma, o.turn_on, o.off[2], o.spread[8]);
   }

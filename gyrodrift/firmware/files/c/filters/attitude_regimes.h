@@ -67,6 +67,17 @@ static inline void gd_attitude_mean_variances(gd_real out[3], const gd_attitude_
   }
 }
 
+/* The same where a hypothesis is tested. A rest that has to agree has the error of any rest. */
+static inline void gd_attitude_test_variances(gd_real out[3], const gd_attitude_hypothesis *h,
+                                              const gd_attitude_candidate *m) {
+  int i;
+  gd_attitude_mean_variances(out, m);
+  for (i = 0; gd_attitude_must_agree(h, m) && i < 3; i++) {
+    out[i] = m->gyro_var[i] * GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks +
+             GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS;
+  }
+}
+
 /* The same as measurements of the bias. `overlap` is the factor of a window that contains blocks of an earlier
    update. */
 static inline void gd_attitude_rest_variances(gd_real out[3], const gd_attitude_hypothesis *h,
@@ -155,7 +166,7 @@ static inline void gd_attitude_weigh_branches(gd_attitude *a, gd_attitude_job *j
   const gd_attitude_candidate *m = &job->candidate;
   const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
   gd_real variance[3], up[3];
-  gd_attitude_mean_variances(variance, m);
+  gd_attitude_test_variances(variance, h, m);
   gd_attitude_vertical(up, h, m);
   gd_attitude_weigh(&job->log_rest[i], &job->log_motion[i], a, h, m, up, variance);
   job->log_rest[i] += job->odds > 0 ? GD_LOG(job->odds) : GD_ATTITUDE_LOG_LEAST;
@@ -204,7 +215,7 @@ static inline void gd_attitude_branch(gd_attitude *a, gd_attitude_job *job) {
 /* Measure hypothesis `i` of them by the candidate. */
 static inline void gd_attitude_measure_branch(gd_attitude *a, gd_attitude_job *job, int i) {
   if (i < job->rests) {
-    gd_attitude_add_drift(a, gd_attitude_at(a, i));
+    gd_attitude_add_drift(a, gd_attitude_at(a, i), &job->candidate);
     gd_attitude_measure_rest(gd_attitude_at(a, i), job->error, &job->candidate, GD_R(1.0), 1);
   } else {
     gd_attitude_measure_turn(gd_attitude_at(a, i), &job->candidate);

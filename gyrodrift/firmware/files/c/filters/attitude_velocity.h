@@ -9,7 +9,7 @@
 /* Standard deviation of the velocity at the first sample, m/s. */
 #define GD_ATTITUDE_START_SPEED GD_R(0.5)
 /* Standard deviation of the bounded velocity, m/s, and its correlation time, s. */
-#define GD_ATTITUDE_SPEED GD_R(0.7)
+#define GD_ATTITUDE_SPEED GD_R(1.0)
 #define GD_ATTITUDE_CORRELATION_S GD_R(0.5)
 /* Averaging times of the velocity and of its square, s. */
 #define GD_ATTITUDE_SLOW_S GD_R(2.0)

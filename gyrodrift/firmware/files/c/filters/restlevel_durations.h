@@ -8,6 +8,7 @@
 #define GD_CHANCE_LEVELS GD_R(4.0)  /* chance levels for each constant spin, if levels wander */
 #define GD_LEVEL_S GD_R(12.0)       /* scale of the lengths of rests and spins */
 #define GD_CHANCE_STAYS GD_R(0.9)   /* probability that a chance level lasts for a further block */
+#define GD_NOISY_STAYS GD_R(0.985)  /* or a noisy motion whose block means scatter less than white noise */
 #define GD_GRADUAL_REST GD_R(0.01)  /* shares of rests, spins and chance levels that end gradually */
 #define GD_GRADUAL_SPIN GD_R(0.1)
 #define GD_GRADUAL_CHANCE GD_R(0.9)
@@ -47,6 +48,20 @@ static inline void gd_rl_weigh_rest(gd_rl_hypothesis *h, gd_real seconds, gd_rea
   const gd_real no_rest =
       gd_rl_spin_density(seconds) + h->chance_density + gd_rl_noisy_density(h, sensor_odds);
   gd_rl_weigh(h, h->rest_odds * sensor_odds / no_rest);
+}
+
+/* Multiplies the densities of motions by the probabilities that such a level lasts for a further block. */
+static inline void gd_rl_outlast_motions(gd_rl_hypothesis *h, int averages_out) {
+  h->chance_density *= GD_CHANCE_STAYS;
+  if (averages_out) {
+    h->noisy_density *= GD_NOISY_STAYS;
+  }
+}
+
+/* Weighs a loud rest by its level and its length. */
+static inline void gd_rl_weigh_loud_rest(gd_rl_hypothesis *h, gd_real seconds, gd_real level_density) {
+  const gd_real no_rest = gd_rl_spin_density(seconds) + h->chance_density + h->noisy_density;
+  gd_rl_weigh(h, h->rest_odds * level_density / no_rest);
 }
 
 /* Weighs a rest that has ended gradually. */

@@ -62,6 +62,9 @@ static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
 static inline void gd_rl_forget_segments(gd_restlevel *s) {
   s->wander.was_stationary = 0;
   s->segment.blocks = 0;
+#if GD_RESTLEVEL_LOUD
+  s->loud.blocks = 0;
+#endif
   s->ended.blocks_ago = GD_NEVER;
   s->ended.short_start_blocks = 0;
   s->ended.ended_gradually = 0;
@@ -74,6 +77,9 @@ static inline void gd_rl_restart(gd_restlevel *s) {
   gd_rl_forget_levels(&s->wander);
   gd_rl_forget_turns(&s->turns);
   gd_rl_forget_segments(s);
+#if GD_RESTLEVEL_LOUD
+  s->loud.motions = s->loud.motion_var = GD_R(0.0);
+#endif
   s->blocks = 0;
 #if GD_RESTLEVEL_AUXILIARY
   s->sure_s = 0.0;
@@ -111,6 +117,11 @@ static inline void gd_rl_enter_segment(gd_restlevel *s) {
 /* Ends the rest of all hypotheses at the end of a confirmed segment. */
 static inline void gd_rl_leave_segment(gd_restlevel *s) {
   uint8_t k;
+#if GD_RESTLEVEL_LOUD
+  if (s->ended.is_loud) {
+    gd_rl_count_motion(s);
+  }
+#endif
   for (k = 0; k < s->stored; ++k) {
     s->hypotheses[k].was_at_rest = s->hypotheses[k].is_at_rest;
     s->hypotheses[k].is_at_rest = 0;
@@ -154,24 +165,31 @@ static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real sec
 
 /* Resumes a rest of the segment before: it goes on, and the blocks between are no evidence. */
 static inline void gd_rl_resume(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real seconds) {
-  const gd_real mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
+  const gd_real mean_var = gd_rl_level_var(s, seconds);
   gd_rl_go_back(h, h);
   if (s->ended.ended_gradually) {
     gd_rl_undo_safe_bias(h);
   }
-  gd_rl_first_kalman_update(&s->c, h, s->segment.mean_dps, mean_var);
+  gd_rl_measure_segment(s, h, s->segment.mean_dps, mean_var);
   h->is_at_rest = 1;
+}
+
+/* Variance of a further block mean of a rest. The shift of a bias by vibration stays for a while. */
+static inline gd_real gd_rl_further_var(const gd_restlevel *s, gd_real seconds) {
+  const gd_real block_var = gd_rl_block_mean_var(s, seconds);
+  const gd_real shift_var = GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_DPS * GD_LOUD_SHIFT_S / seconds;
+  return gd_rl_is_loud(s) ? block_var + shift_var : block_var;
 }
 
 /* Weighs a hypothesis of rest by a further block of a confirmed segment, and sums up its excess of variance. */
 static inline void gd_rl_weigh_block(const gd_restlevel *s, gd_rl_work *w, gd_rl_hypothesis *h, gd_real mean_dps,
                                      gd_real seconds) {
-  const gd_real mean_var = s->noise.angle_walk_var / seconds, flicker_var = s->noise.flicker_var;
+  const gd_real mean_var = gd_rl_further_var(s, seconds), flicker_var = s->noise.flicker_var;
   const gd_real innovation_dps = mean_dps - h->bias_dps;
   const gd_real beyond_var = innovation_dps * innovation_dps - h->bias_var - mean_var - flicker_var;
   w->rest_weight += h->weight;
-  h->chance_density *= GD_CHANCE_STAYS; /* probability that a chance level lasts on */
-  gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+  gd_rl_outlast_motions(h, s->segment.averages_out);
+  gd_rl_weigh_segment(s, h);
   w->excess_var += h->weight * gd_min(beyond_var, GD_FLICKER_CLIP * (mean_var + flicker_var));
 }
 
@@ -179,8 +197,8 @@ static inline void gd_rl_weigh_block(const gd_restlevel *s, gd_rl_work *w, gd_rl
 static inline void gd_rl_zero_velocity_update(const gd_restlevel *s, gd_rl_hypothesis *h, gd_real mean_dps,
                                               gd_real seconds) {
   const gd_real ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
-  gd_rl_kalman_update(h, mean_dps, s->noise.angle_walk_var / seconds, ramp_var);
-  h->moving_s = GD_R(0.0);
+  gd_rl_kalman_update(h, mean_dps, gd_rl_further_var(s, seconds), ramp_var);
+  h->moving_s = gd_rl_is_loud(s) ? h->moving_s : GD_R(0.0);
   gd_rl_follow_slide(&s->c, h, s->block.seconds);
 }
 

@@ -23,8 +23,8 @@
 #endif
 
 /* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, the rule for gaps and
-   restarts, without which the rate is integrated over a gap, or headings and turn rates of other sensors: less code and
-   memory, and the same results otherwise. */
+   restarts, without which the rate is integrated over a gap, headings and turn rates of other sensors, or rests with a
+   running engine: less code and memory, and the same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
@@ -41,6 +41,9 @@
 #endif
 #ifndef GD_RESTLEVEL_AIDS
 #define GD_RESTLEVEL_AIDS GD_RL_DEFAULT_PARTS
+#endif
+#ifndef GD_RESTLEVEL_LOUD
+#define GD_RESTLEVEL_LOUD GD_RL_DEFAULT_PARTS
 #endif
 
 /* 1: gd_restlevel_work does the work of a block in portions. It keeps hypotheses that begin in the state; else they are
@@ -145,6 +148,9 @@ typedef struct {
   gd_rl_remembered remembered;
 #endif
   gd_rl_noise noise;
+#if GD_RESTLEVEL_LOUD
+  gd_rl_loud loud;
+#endif
   gd_rl_segment segment;
   gd_rl_ended ended;
   gd_rl_moments moments;

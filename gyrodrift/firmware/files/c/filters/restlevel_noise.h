@@ -11,7 +11,7 @@
 #define GD_START_BLOCKS 5               /* after so many blocks of one value, larger first steps are motion: */
 #define GD_MAX_NOISE_VAR GD_R(1.44)     /* variance of a block, (deg/s)^2 */
 #define GD_NOISE_BLOCKS 20              /* number up to which the noise is their mean; later NOISE_GAIN */
-#define GD_NOISE_GAIN GD_R(0.05)
+#define GD_NOISE_GAIN GD_R(0.01)
 #define GD_NOISE_RISE GD_R(0.001)       /* relative rise in a second of motion */
 #define GD_DROP_SIGMAS GD_R(4.5)        /* two consecutive blocks so far below the noise replace it */
 #define GD_USUAL_NOISE_DPS GD_R(0.06)   /* usual noise of a sample, and spread of its logarithm over parts */

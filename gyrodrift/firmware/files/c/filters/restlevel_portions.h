@@ -30,7 +30,9 @@ static inline void gd_rl_end_loop(gd_restlevel *s, gd_rl_work *w, gd_real second
       break;
     case GD_RL_UPDATE:
       gd_rl_normalise(s);
-      gd_rl_learn_at_rest(s, w->rest_weight, w->excess_var, w->step_dps, seconds);
+      if (!gd_rl_is_loud(s)) {
+        gd_rl_learn_at_rest(s, w->rest_weight, w->excess_var, w->step_dps, seconds);
+      }
       gd_rl_go_to(w, GD_RL_CONFIRM);
       break;
     case GD_RL_RESUME:

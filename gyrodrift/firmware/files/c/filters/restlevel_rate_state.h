@@ -29,6 +29,14 @@ typedef struct {
   uint8_t has_steps : 1, is_walk_measured : 1, has_dropped : 1, is_frozen : 1;
 } gd_rl_noise;
 
+/* Noise of blocks that are louder than the sensor. */
+typedef struct {
+  gd_real sample_var; /* mean variance of samples of consecutive blocks that are equally loud */
+  gd_real mean_var;   /* of block means of the present loud segment */
+  gd_real motions, motion_var; /* loud segments that were motions, and their mean variance of samples */
+  uint8_t blocks;     /* consecutive blocks that are equally loud, up to GD_NOISE_BLOCKS */
+} gd_rl_loud;
+
 /* Agreement of consecutive stationary blocks outside of confirmed segments. */
 typedef struct {
   gd_real log_odds; /* of wandering levels against the noise of a sensor */
@@ -47,12 +55,15 @@ typedef struct {
   gd_real last_mean_dps;
   gd_real least_dps, most_dps; /* range of all block means but the first */
   uint32_t blocks;             /* 0 without a segment */
+  uint8_t is_loud, averages_out; /* louder than the sensor; block means scatter less than white noise */
 } gd_rl_segment;
 
 /* The last constant-rate segment that has ended. */
 typedef struct {
   double seconds;
   gd_real mean_dps, sensor_odds;
+  gd_real sample_var; /* of a loud segment */
+  uint8_t is_loud;
   uint8_t ended_gradually;
   uint8_t blocks_ago;
   uint8_t short_start_blocks; /* its blocks, if the present block has ended a short rest from the start */

@@ -137,7 +137,7 @@ static inline int gd_rl_is_certain_rest(gd_restlevel *s, gd_real mean_dps, gd_re
 /* Ends certain rests: without a confirmed segment no hypothesis stays at rest. */
 static inline void gd_rl_end_certain_rest(gd_restlevel *s) {
   uint8_t k;
-  for (k = 0; s->segment.blocks < GD_CONFIRMED_BLOCKS && k < s->stored; ++k) {
+  for (k = 0; !gd_rl_is_confirmed(s) && k < s->stored; ++k) {
     s->hypotheses[k].is_at_rest = 0;
   }
 }

@@ -111,27 +111,27 @@ static inline void gd_rl_predict_block(gd_restlevel *s, gd_rl_work *w, gd_real s
   gd_rl_predict(s, s->block.angle_deg, seconds, s->noise.angle_walk_var);
   gd_rl_widen_yaw(s, seconds);
   w->rest_weight = w->excess_var = GD_R(0.0);
-  gd_rl_go_to(w, !w->is_certain && s->segment.blocks > GD_CONFIRMED_BLOCKS ? GD_RL_WEIGH : GD_RL_CONFIRM);
+  gd_rl_go_to(w, !w->is_certain && s->segment.blocks > gd_rl_confirming_blocks(s) ? GD_RL_WEIGH : GD_RL_CONFIRM);
 }
 
 /* Resumes the segment before, or branches the hypotheses, when a segment is confirmed. */
 static inline void gd_rl_confirm(gd_restlevel *s, gd_rl_work *w, gd_real seconds) {
   gd_rl_go_to(w, GD_RL_TURNS);
   if (s->segment.blocks > 1) {
-    gd_rl_update_mean(&s->segment, gd_rl_mean_dps(s));
+    gd_rl_update_mean(s, gd_rl_mean_dps(s));
   }
-  if (s->segment.blocks < GD_CONFIRMED_BLOCKS) {
-    gd_rl_follow_turns(&s->turns, s->block.angle_deg, s->block.seconds);
-  } else if (s->segment.blocks == GD_CONFIRMED_BLOCKS && !w->is_certain) {
+  if (s->segment.blocks == gd_rl_confirming_blocks(s) && !w->is_certain) {
     if (gd_rl_continues(s, seconds)) {
       s->segment.seconds += s->ended.seconds;
       gd_rl_go_to(w, GD_RL_RESUME);
     } else {
       gd_rl_begin_branches(s, w, gd_rl_confirmed_level(s, seconds), GD_RL_TURNS);
-      if (!s->ended.ended_gradually) { /* after a gradual end it is the same turn */
+      if (!gd_rl_is_loud(s) && !s->ended.ended_gradually) { /* after a gradual end it is the same turn */
         gd_rl_add_mean_rate(&s->turns, s->segment.mean_dps);
       }
     }
+  } else if (gd_rl_is_loud(s) || s->segment.blocks < GD_CONFIRMED_BLOCKS) {
+    gd_rl_follow_turns(&s->turns, s->block.angle_deg, s->block.seconds);
   }
 }
 
@@ -196,8 +196,10 @@ static inline void gd_rl_do_hypothesis(gd_restlevel *s, gd_rl_work *w, gd_rl_hyp
   const gd_real mean_dps = gd_rl_mean_dps(s);
   switch (w->stage) {
     case GD_RL_BRANCH:
-      gd_rl_begin_branch(s, h, &w->rests.items[w->rests.count], &w->level);
-      w->stage = GD_RL_UPDATE_BRANCH;
+      if (h->knows_bias || !gd_rl_is_loud(s)) {
+        gd_rl_begin_branch(s, h, &w->rests.items[w->rests.count], &w->level);
+        w->stage = GD_RL_UPDATE_BRANCH;
+      }
       break;
     case GD_RL_GRADUAL:
       gd_rl_end_gradually(s, h);
@@ -221,7 +223,7 @@ static inline void gd_rl_do_hypothesis(gd_restlevel *s, gd_rl_work *w, gd_rl_hyp
       gd_rl_resume(s, h, seconds);
       break;
     case GD_RL_WEIGH_RESUMED:
-      gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+      gd_rl_weigh_segment(s, h);
       break;
     default:
       gd_rl_weigh_turns(&s->turns, h);
