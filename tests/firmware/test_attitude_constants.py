@@ -29,6 +29,8 @@ ABSENT = {
     "LONG_NOISY": "gd_attitude_kind_of",
     "STILL": "gd_attitude_still",
     "MAX_HYPOTHESES": "GD_ATTITUDE_HYPOTHESES",
+    "AIDED": "functions",
+    "LEAST_VAR": "the source has no errors of its own",
     "UNITS": "of two spreads",
     "VERTICAL": "a unit vector",
 }

@@ -15,7 +15,7 @@ AVR_HZ = 16e6
 SHARE = 0.25
 """Largest share of the time of an ATmega328P for HDR at 100 Hz."""
 
-STATE_BYTES = 1040
+STATE_BYTES = 1060
 """Largest state of restlevel without the memory for portions."""
 
 PORTION_S = 0.002

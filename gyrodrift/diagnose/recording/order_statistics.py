@@ -1,7 +1,7 @@
 """Medians and quantiles, distinct values, and standard deviations of normal distributions from medians.
 
 Medians and quantiles are those of numpy and scipy, to the bit, for values without NaN. They take a tenth of the time:
-numpy and scipy also look for NaN, or sort each window anew.
+numpy and scipy also look for NaN, or sort every window.
 """
 
 from collections.abc import Sequence

@@ -90,13 +90,13 @@ def response_tables(
         progress(REPLAYED, 0, len(numbers))
         tables = [*local.map(_table, [(0, None)])]
         progress(REPLAYED, 1, len(numbers))
-        for done, table in enumerate(local.map(_table, [*enumerate(_others(plan, tables[0]), 1)]), 2):
+        for done, table in enumerate(local.map(_table, [*enumerate(_points_by_session(plan, tables[0]), 1)]), 2):
             progress(REPLAYED, done, len(numbers))
             tables.append(table)
     return with_shared(tables, twins_of(plan.subjects), plan.tried)
 
 
-def _others(plan: SimulationPlan, first: ResponseTable) -> list[dict[str, int]]:
+def _points_by_session(plan: SimulationPlan, first: ResponseTable) -> list[dict[str, int]]:
     """Number of grid points to simulate in each session but the first, by key of the candidate."""
     shared = {key(candidate) for candidate in plan.tried if is_shared(candidate)}
     points = points_of(first)
@@ -125,7 +125,7 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tup
         progress(REPLAYED, 0, len(origins))
         tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins[:1]))
         progress(REPLAYED, 1, len(origins))
-        sent = [*zip(origins[1:], _others(plan, tables[0]), strict=True)]
+        sent = [*zip(origins[1:], _points_by_session(plan, tables[0]), strict=True)]
         if sent:
             tables += shared.results(shared.submit(partial(_simulated_from, simulate), sent))
         progress(REPLAYED, len(origins), len(origins))

@@ -35,12 +35,12 @@ def null_runs_of(sessions: int) -> int:
 
 
 RULED_OUT = 30.0
-"""Norm of all features, in standard deviations, by which a size makes a recording less likely than no effect at all, so
-that larger sizes are not simulated. Chosen: a chi-squared of 900 and more, so that no error of a standard deviation
-from four null runs matters."""
+"""Norm of all features, in standard deviations, by which a size lies further from a recording than no effect does.
+Larger sizes are not simulated. Chosen: a chi-squared of 900 and more, so that no error of a standard deviation from
+four null runs matters."""
 
 ADDED = (Touches.SLOW_RATE, Touches.RATE)
-"""What effects touch that only add to the rate."""
+"""Parts that are changed by effects that only add to the rate."""
 
 Compared = Callable[[ResponseTable, DesignMatrix], ResponseTable]
 """Function that subtracts a baseline from the differences of a table."""

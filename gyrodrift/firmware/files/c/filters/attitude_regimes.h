@@ -214,25 +214,4 @@ static inline void gd_attitude_measure_branch(gd_attitude *a, gd_attitude_job *j
   }
 }
 
-/* Whether the rates of a later window fit the bias of the first hypothesis of rest. */
-static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_candidate *m) {
-  const gd_real error = GD_ATTITUDE_SAME_RATE * GD_ATTITUDE_RAD;
-  gd_real spread[9], inverse[9], off[3], scatter[3];
-  int i, k;
-  gd_attitude_scatter_variances(scatter, m);
-  for (i = 0; i < a->sum.count; i++) {
-    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    if (h->regime == GD_ATTITUDE_REST) {
-      gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
-      for (k = 0; k < 3; k++) {
-        spread[4 * k] += scatter[k] + error * error;
-        off[k] = m->gyro[k] - h->bias[k];
-      }
-      gd_invert(inverse, 0, spread);
-      return gd_quadratic(inverse, off) <= GD_ATTITUDE_GATE;
-    }
-  }
-  return 1;
-}
-
 #endif

@@ -37,6 +37,37 @@ static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, 
   gd_attitude_normalize(&a->sum);
 }
 
+/* Whether the rates of a later window fit the bias of the first hypothesis of rest. */
+static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_candidate *m) {
+  const gd_real error = GD_ATTITUDE_SAME_RATE * GD_ATTITUDE_RAD;
+  gd_real spread[9], inverse[9], off[3], scatter[3];
+  int i, k;
+  gd_attitude_scatter_variances(scatter, m);
+  for (i = 0; i < a->sum.count; i++) {
+    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+    if (h->regime == GD_ATTITUDE_REST) {
+      gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
+      for (k = 0; k < 3; k++) {
+        spread[4 * k] += scatter[k] + error * error;
+        off[k] = m->gyro[k] - h->bias[k];
+      }
+      gd_invert(inverse, 0, spread);
+      return gd_quadratic(inverse, off) <= GD_ATTITUDE_GATE;
+    }
+  }
+  return 1;
+}
+
+/* Raise the probability of rests as a segment grows longer than even turns last. */
+static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, gd_real now_s) {
+  const gd_real ratio = gd_attitude_duration_odds(now_s) / gd_attitude_duration_odds(before_s);
+  int i;
+  for (i = 0; i < a->sum.count; i++) {
+    gd_attitude_at(a, i)->weight *= gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? ratio : GD_R(1.0);
+  }
+  gd_attitude_normalize(&a->sum);
+}
+
 /* Follow the angle random walk of a gyro that is noisier than usual, by the scatter of block means at rest. */
 static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real mean = (m->gyro_var[0] + m->gyro_var[1] + m->gyro_var[2]) / GD_R(3.0);
