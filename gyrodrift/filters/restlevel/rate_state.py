@@ -127,7 +127,7 @@ class RateSegment:
     blocks
         Number of blocks so far; 0 without a segment, 1 where a segment begins.
     is_vibrating
-        Whether its blocks are noisier than the sensor, and equally vibration.
+        Whether its blocks are noisier than the sensor, and equally noisy.
     seconds
         Length, s, with the segments that it resumes.
     mean_dps
