@@ -58,16 +58,6 @@ static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_can
   return 1;
 }
 
-/* Raise the probability of rests as a segment grows longer than even turns last. */
-static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, gd_real now_s) {
-  const gd_real ratio = gd_attitude_duration_odds(now_s) / gd_attitude_duration_odds(before_s);
-  int i;
-  for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_at(a, i)->weight *= gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? ratio : GD_R(1.0);
-  }
-  gd_attitude_normalize(&a->sum);
-}
-
 /* Follow the angle random walk of a gyro that is noisier than usual, by the scatter of block means at rest. */
 static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real mean = (m->gyro_var[0] + m->gyro_var[1] + m->gyro_var[2]) / GD_R(3.0);
