@@ -11,8 +11,8 @@ import gyrodrift.diagnose.features.design_matrix, gyrodrift.diagnose.recording.k
 import gyrodrift.diagnose.recording.motion
 import gyrodrift.evaluation.kernels.hdr, gyrodrift.evaluation.kernels.restlevel
 import gyrodrift.compare.methods.plain
-from gyrodrift.compare.methods.plain import _corrected
-print(len(_corrected(np.ones(3), 0.1, 1.0)))
+from gyrodrift.compare.methods.plain import _by_sign
+print(len(_by_sign(np.ones(3), 0.1, 1.0)))
 """
 
 

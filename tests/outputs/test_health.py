@@ -1,6 +1,7 @@
 """How the service is, in words."""
 
 from dataclasses import replace
+from typing import Any
 
 from gyrodrift.outputs.health import Health, HealthLevel, health
 from gyrodrift.outputs.status import DeviceStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus, aid_text
@@ -29,7 +30,7 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
 
 
 def test_a_second_source_that_contradicts_is_told() -> None:
-    aids = {
+    aids: dict[str, dict[str, Any]] = {
         "course": {"age_s": 1.0, "weight": 0.0, "differs": "it differs by 23 deg"},
         "speed": {"age_s": 0.2, "weight": 1.0, "differs": None},
     }
