@@ -23,6 +23,7 @@ FILES = (
     "restlevel.durations",
     "restlevel.slide",
     "restlevel.turns",
+    "restlevel.vibration",
     "restlevel.segments",
     "restlevel.recall",
     "restlevel.temperature",

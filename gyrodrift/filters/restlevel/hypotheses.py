@@ -51,8 +51,8 @@ def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
 
 
 def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """Restart the filter with the present block, because the values so far were no rates. Yaw stays."""
-    s.yaw_deg = s.moments.yaw_deg
+    """Restart the filter with the present block, because the values so far were no rates. Yaw stays, without sigma."""
+    s.yaw_deg, s.moments.yaw_var = s.moments.yaw_deg, 0.0
     for h in s.hypotheses:
         _clear(h)
     begin(c, s)
