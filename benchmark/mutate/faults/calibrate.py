@@ -49,7 +49,7 @@ FAULTS = (
     ),
     Fault(
         "calibrate/turn-without-bias",
-        f"{POSITIONS}/motion.py",
+        f"{POSITIONS}/measurements.py",
         "(rates_dps - bias_dps)[is_inside]",
         "rates_dps[is_inside]",
         "The bias counts as a part of a turn.",

@@ -78,7 +78,7 @@ FAULTS = (
     Fault(
         "diagnose/sizes-not-normalized",
         TEMPLATE,
-        "np.full(len(kept), -np.log(max(len(kept), 1)))",
+        "np.full(len(kept), -np.log(max(len(kept) + response.candidate.ruled_out, 1)))",
         "np.zeros(len(kept))",
         "An effect of many sizes is more probable than one of few.",
         TEMPLATE_TESTS,

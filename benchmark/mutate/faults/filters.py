@@ -134,8 +134,8 @@ FAULTS = (
     Fault(
         "filters/restlevel-scatter-within-blocks",
         f"{RESTLEVEL}/segments.py",
-        "return max(MIN_VAR, min(noise.sample_var, 0.25 * samples * step_var))",
-        "return max(MIN_VAR, noise.sample_var)",
+        "sensor_odds(max(MIN_VAR, min(sample_var, step_var)))",
+        "sensor_odds(max(MIN_VAR, sample_var))",
         "A vibration that averages out within blocks counts as a motion.",
         (f"{UNITS}/test_segments.py",),
     ),

@@ -108,7 +108,7 @@ FAULTS = (
     ),
     Fault(
         "link/native-overlong-kept",
-        f"{PROTOCOLS}/pieces.py",
+        f"{PROTOCOLS}/frames.py",
         "            pending = pending[:1]  # enough to remember that the piece is not empty\n",
         "",
         "Noise without a delimiter is kept in memory without end.",

@@ -95,7 +95,7 @@ FAULTS = (
     ),
     Fault(
         "session/tail-written-over",
-        f"{MCAP}/tail.py",
+        f"{MCAP}/repair.py",
         "    while os.path.lexists(free):\n",
         "    while False:\n",
         "A second repair has no name for the tail that it keeps.",

@@ -20,6 +20,7 @@ public:
   explicit HdrOf(const gd_hdr_params &params) { gd_hdr_init(&state_, &params); }
   bool update(double t_s, gd_real rate_dps) { return gd_hdr_update(&state_, t_s, rate_dps) != 0; }
   bool update_us(uint32_t t_us, gd_real rate_dps) { return gd_hdr_update_us(&state_, t_us, rate_dps) != 0; }
+  bool work() { return false; } /* an update leaves none */
   gd_real yaw_deg() const { return state_.yaw_deg; }
   gd_real bias_dps() const { return state_.bias_dps; }
   gd_hdr &state() { return state_; }
