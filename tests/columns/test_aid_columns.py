@@ -16,7 +16,8 @@ def test_cells_of_slow_sources_may_be_empty_and_a_heading_that_stands_counts_onc
     readings = read(ROW, "0,.1,87,2,,,", "10,.2,87,,1,1.5,0", "20,.2,nan,,1,,1", "30,.2,,,,,")
     speed_mps = pytest.approx(2 * 1852 / 3600)
     assert [(aid.name, aid.value) for aid in readings[0].aids] == [("speed", speed_mps), ("heading", -87.0)]
-    assert readings[0].aids[1][3:] == (-0.2, 2.0, 360.0, speed_mps)
+    assert readings[0].aids[1][3:6] == (-0.2, 2.0, 360.0)
+    assert readings[0].aids[1].speed == speed_mps
     assert [(aid.kind, aid.value, aid.speed) for aid in readings[1].aids] == [("wheels", 0.5, 1.25)]
     assert [reading.aids for reading in readings[2:]] == [(), ()]
     assert [reading.still for reading in readings[1:3]] == [0.0, 1.0]

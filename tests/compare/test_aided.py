@@ -29,7 +29,13 @@ def session() -> Session:
     noise_dps = np.random.default_rng(1).normal(0.0, 0.05, len(t_s))
     aids = tuple((row, Aid("camera", "heading", float(angle_deg[row]), sigma=1.0)) for row in range(0, 3000, 50))
     rate_dps = 21.0 * np.cos(0.7 * t_s) + BIAS_DPS + noise_dps
-    return Session("swing", t_s, rate_dps, encoder_deg=angle_deg, aids=aids)
+    return Session(
+        "swing",
+        np.asarray(t_s, dtype=np.float64),
+        np.asarray(rate_dps, dtype=np.float64),
+        encoder_deg=angle_deg,
+        aids=aids,
+    )
 
 
 def test_the_row_with_second_sources_is_better(session: Session, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 from math import isfinite, isnan
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -21,7 +22,7 @@ def sentence(body: str) -> bytes:
     return f"${body}*{checksum(body):02X}\r\n".encode()
 
 
-def said(source: SecondSource, content: bytes) -> list[tuple[str, str, float]]:
+def said(source: SecondSource, content: bytes) -> list[tuple[str, str, Any]]:
     return [(aid.name, aid.kind, pytest.approx(aid.value)) for aid in source.take(content)]
 
 
@@ -96,7 +97,7 @@ def test_messages_of_an_autopilot() -> None:
     link, vehicle = common.MAVLink(None, 1, 1), SecondSource("fc", is_mavlink=True)
 
     def wheels(t_us: int, left: float, right: float) -> bytes:
-        return common.MAVLink_wheel_distance_message(t_us, 2, [left, right, *[0.0] * 14]).pack(link)
+        return bytes(common.MAVLink_wheel_distance_message(t_us, 2, [left, right, *[0.0] * 14]).pack(link))
 
     position = (0, 3, 0, 0, 0, 100, 100)
     gps = [
