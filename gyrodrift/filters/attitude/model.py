@@ -29,7 +29,7 @@ CROSS_AXIS = 0.2
 """Misalignment as a share of the scale factor's spread: 0.002 at 1 %. Measured: as above."""
 
 DEFAULT_QUIET = 5.0
-"""`quiet` at which the limits of rests are those of the recordings."""
+"""`quiet` at which the limits of rests are those of the recordings. By definition: the default of `quiet`."""
 
 
 @dataclass(frozen=True, slots=True)

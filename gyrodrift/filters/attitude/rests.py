@@ -26,7 +26,7 @@ FASTEST_START = 4.0 * RAD
 """Likewise at power-on, where rests are more frequent. Chosen: three standard deviations of raw parts."""
 
 LONGEST = 40
-"""Blocks that are kept."""
+"""Blocks that are kept. Derived: the longest kind of rest, `LONG_NOISY`."""
 
 
 class RestKind(NamedTuple):
