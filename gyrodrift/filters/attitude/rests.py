@@ -10,6 +10,7 @@ from gyrodrift.filters.attitude.predict import GRAVITY
 from gyrodrift.values.arrays import Floats
 
 RAD = 0.017453292519943295
+"""A degree in rad. By definition: π/180."""
 
 GYRO_SPREAD = 0.15 * RAD
 ACCEL_SPREAD = 0.07
