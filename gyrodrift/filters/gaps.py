@@ -13,16 +13,16 @@ from dataclasses import dataclass
 from math import exp
 
 LONGEST_STEP_S = 0.3
-"""Longest step that is no gap at any sample rate, s: a device turns evenly for a few tenths of a second."""
+"""Longest step that is no gap at any sample rate, s. Chosen: a device turns evenly for a few tenths of a second."""
 
 GAP_PERIODS = 3.0
-"""Periods of a slow device in a step that is no gap: up to two samples may be missing."""
+"""Periods of a slow device in a step that is no gap. Chosen: up to two samples may be missing."""
 
 MOST_STEP_S = 3.0
-"""Longest step that is no gap of any device, s: three periods at 1 Hz, the slowest logger."""
+"""Longest step that is no gap of any device, s. Derived: three periods at 1 Hz, the slowest logger."""
 
 FIRST_STEP_S = 1.5
-"""Longest step that is no gap before the period is known, s: three periods at 2 Hz."""
+"""Longest step that is no gap before the period is known, s. Derived: three periods at 2 Hz."""
 
 RATE_DPS, CORRELATION_S = 60.0, 1.0
 """Standard deviation of the unknown rate, deg/s, and its correlation time, s. Chosen: half a turn in 3 s is within two
@@ -30,7 +30,7 @@ sigmas. On 91 real recordings, 99 % of windows of 0.3 to 60 s are, and of each r
 likelihood on these robots and tables gives 17 deg/s and 1.2 s, but the liveliest tenth has 76 deg/s."""
 
 CIRCLE_VAR = 180.0 * 180.0 / 3.0
-"""Variance of a uniform angle, deg²."""
+"""Variance of a uniform angle, deg². Derived: the square of 360° over 12."""
 
 POWER_CYCLE_S = 10.0
 """Shortest gap in which a device may have been switched off and on, s. Chosen: a person needs some seconds to replug a
@@ -41,7 +41,7 @@ CORRECTION_DEG = 1.0
 
 
 UNKNOWN_S = 1e9
-"""Length of a gap that nobody knows, s."""
+"""Length of a gap that nobody knows, s. By definition: beyond any gap, and `CIRCLE_VAR` limits the variance."""
 
 
 @dataclass(slots=True)

@@ -1,10 +1,10 @@
 """Limits of times and rates in a filter: far beyond every clock and gyro, and their squares are finite floats."""
 
 MOST_S = 1e15
-"""Largest absolute device time, s; beyond it a float does not resolve 0.1 s."""
+"""Largest absolute device time, s. Derived: beyond it a double does not resolve 0.1 s (IEEE 754)."""
 
 MOST_DPS = 1e12
-"""Largest absolute rate, deg/s."""
+"""Largest absolute rate, deg/s. Chosen: far beyond every gyro, and its square is a finite float."""
 
 LEAST_STEP_S = 1e-12
-"""Smallest step between two samples, s; no device clock is finer."""
+"""Smallest step between two samples, s. Chosen: no device clock is finer."""

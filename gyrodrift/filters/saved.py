@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 MOST = 1e15
-"""Largest number in a table, which may come from anywhere; its square is a finite float."""
+"""Largest number in a table, which may come from anywhere. Chosen: its square is a finite float."""
 
 FILE_KEYS = {
     ("BlockStats", "angle_deg"): "turned_deg",

@@ -25,7 +25,7 @@ LATE_S = 0.05
 """Error of the time of a measurement, s. Chosen: half a period at 10 Hz."""
 
 SAME_ZERO_SIGMAS = 3.0
-"""Distance of a first heading from yaw, in standard deviations, within which both have the same zero."""
+"""Distance of a first heading from yaw, in standard deviations, within which both have the same zero. Chosen."""
 
 
 @dataclass(slots=True)

@@ -6,8 +6,8 @@ from math import inf, isfinite, nan
 from gyrodrift.values.aid import Aid
 
 SLOW_MPS = 0.3
-"""Speed that is motion, and least speed beside 0 of a source whose 0 may hide motion, m/s: a car that rolls at 0.3 m/s
-around a bend of 6 m turns at 3 deg/s."""
+"""Speed that is motion, and least speed beside 0 of a source whose 0 may hide motion, m/s. Chosen: a car that rolls at
+0.3 m/s around a bend of 6 m turns at 3 deg/s."""
 
 SLOW_SHARE = 0.2
 """Share of the largest speed so far that is motion for wheels in any unit. Chosen."""

@@ -7,7 +7,7 @@ from statistics import median
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidMoments, AidReading
 
 MEMORY = 0.1
-"""Weight of a measurement in the share of those that agree: about ten count."""
+"""Weight of a measurement in the share of those that agree. Chosen: about ten count."""
 
 BAD_SHARE = 0.5
 """Share of agreeing measurements of a wrong source. Chosen: one that sticks agrees with a device that pauses."""
@@ -17,7 +17,7 @@ SURE_WRONG, SURE_RIGHT = -5.0, 5.0
 remembered. Chosen: 1 : 150 against it; a source that was right needs seven wrong values in a row."""
 
 REMEMBERED = 5
-"""Differences that are kept to tell how a source contradicts."""
+"""Differences that are kept to tell how a source contradicts. Chosen: their median ignores two outliers."""
 
 AGREEING_DEG = 30.0
 """Range of yaw over which a heading has to agree before it is proven, deg: one that is stuck agrees with a device that

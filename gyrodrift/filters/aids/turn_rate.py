@@ -30,10 +30,10 @@ SLIP = 0.05
 """Standard deviation of a turn rate that changes from turn to turn, as a share. Chosen: as for the scale."""
 
 TURNING_DPS = 5.0
-"""Rate from which on the device turns, deg/s: a wrong scale or sign shows in turns alone."""
+"""Rate from which on the device turns, deg/s. Chosen: a wrong scale or sign shows in turns alone."""
 
 SIGN_SIGMAS = 3.0
-"""Distance of a scale from 0, in standard deviations, that shows its sign."""
+"""Distance of a scale from 0, in standard deviations, that shows its sign. Chosen."""
 
 BACKWARDS = "it turns the other way: left and right are swapped"
 

@@ -16,7 +16,7 @@ from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.values.quaternion import heading_axis
 
 LEAST_VAR = 1e-12
-"""Smallest variance of a state that a measurement may lower, deg² and alike: far below that of any sensor."""
+"""Smallest variance of a state that a measurement may lower, deg² and alike. Chosen: far below that of any sensor."""
 
 
 def has_block_ended(s: AttitudeState) -> bool:

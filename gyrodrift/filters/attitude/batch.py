@@ -5,6 +5,7 @@ import numpy as np
 from gyrodrift.values.arrays import Floats
 
 TINY = 1e-12
+"""Angle x below which sin(x/2)/x is 1/2, rad. Derived: its relative error, x²/24, is below a double's resolution."""
 
 
 def rotation_matrices(q: Floats) -> Floats:

@@ -19,17 +19,19 @@ MOTION_SHARE, NOISY_MOTION_SHARE = 0.05, 0.5
 in quiet and in noisy windows. Chosen: hands and boats turn so while they look still."""
 
 JUMP_SHARE, JUMP = 0.03, 0.4
-"""Share of rests before which the bias jumped, as the raw parts, and the size of jumps over the spread of the bias."""
+"""Share of rests before which the bias jumped, and the size of jumps over the spread of the bias. Chosen: about as rare
+as raw parts (`PARTS`)."""
 
 ONE_KIND = 0.8
 """Share of parts whose three axes are of one kind. Chosen: data sheets state one limit for all axes."""
 
 ALIGNMENT = 0.03
-"""Share of a rate that the level axes see: errors of the tilt by 0.3 m/s² of bias of the accelerometer."""
+"""Share of a rate that the level axes see. Derived: errors of the tilt by 0.3 m/s² of bias of the accelerometer,
+0.3/9.81."""
 
 MISTAKE_SHARE = 0.005
 """Share of rests before which the bias was learned in an even turn, so that it has its prior again. Such a rest is
-nearer to 0 than the bias believed."""
+nearer to 0 than the bias believed. Chosen: rarer than jumps."""
 
 MODEL_ERROR = 0.1
 """Error of the bias that its covariance does not contain, deg/s, where a rest is tested.

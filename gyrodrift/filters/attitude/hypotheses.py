@@ -10,11 +10,11 @@ from gyrodrift.values.arrays import Floats, Integers, Mask
 ATTITUDE, BIAS, VELOCITY, SCALE, FORCE_BIAS = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 18), slice(18, 21)
 STATES = 21
 HEADING = 2
-"""Error states: rotation in the earth frame, rad; bias, rad/s; velocity in the earth frame, m/s; scale and
-misalignment of the gyro, row by row; bias of the accelerometer, m/s²."""
+"""Error states, by definition: rotation in the earth frame, rad; bias, rad/s; velocity in the earth frame, m/s; scale
+and misalignment of the gyro, row by row; bias of the accelerometer, m/s²."""
 
 UNDECIDED, REST, TURN = 0, 1, 2
-"""Regimes of a hypothesis in the present segment."""
+"""Regimes of a hypothesis in the present segment. By definition."""
 
 
 @dataclass(slots=True)

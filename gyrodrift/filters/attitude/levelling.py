@@ -21,7 +21,8 @@ MOVING_TILT = 12.0 * RAD
 2 m/s². Chosen."""
 
 LOST_TILT_DEG = 15.0
-"""Standard deviation of the tilt from which on the next accelerations level it, deg: the filter is linear below it."""
+"""Standard deviation of the tilt from which on the next accelerations level it, deg. Chosen: the filter is linear below
+it."""
 
 MEAN_FORCE_S, LOST_SLOPE, LEAST_SQUARED = 5.0, 1.0 / 3.0, 10.0
 """Averaging time of the specific force, s; squared slope (30°) of its mean beyond which the tilt is lost, with a margin

@@ -6,7 +6,7 @@ from gyrodrift.filters.attitude.hypotheses import STATES, Hypotheses
 from gyrodrift.values.arrays import Floats
 
 MOST_SQUARED = 25.0
-"""Largest squared distance that counts in a likelihood: beyond it, no model of the motion holds."""
+"""Largest squared distance that counts in a likelihood. Chosen: beyond five sigmas no model of the motion holds."""
 
 
 def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats) -> Floats:

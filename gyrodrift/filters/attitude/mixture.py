@@ -19,10 +19,10 @@ from gyrodrift.filters.restlevel.mixture import TAIL
 from gyrodrift.values.arrays import Floats
 
 MAX_HYPOTHESES = 6
-"""Hypotheses that are kept."""
+"""Hypotheses that are kept, as in restlevel."""
 
 LEAST_WEIGHT = 1e-6
-"""Probability below which a hypothesis is pruned."""
+"""Probability below which a hypothesis is pruned. Chosen: far below `TAIL`, so the output does not show it."""
 
 MERGE_HEADING_VAR = (0.01 * 0.017453292519943295) ** 2
 """Variance of headings that are the same, rad²: 0.01 deg, as in restlevel."""

@@ -16,6 +16,7 @@ from gyrodrift.values.quaternion import IDENTITY, Quaternion, heading_axis, tilt
 from gyrodrift.values.vectors import Vector
 
 RAD = 0.017453292519943295
+"""A degree in rad. By definition: π/180."""
 
 BLOCKS_PER_WINDOW = 3.0
 """Blocks in `window_s`: at its default of 0.3 s a block has 0.1 s, as in the recordings of `SPREAD_OF_BIAS`."""
@@ -29,7 +30,7 @@ CROSS_AXIS = 0.2
 """Misalignment as a share of the scale factor's spread: 0.002 at 1 %. Measured: as above."""
 
 DEFAULT_QUIET = 5.0
-"""`quiet` at which the limits of rests are those of the recordings."""
+"""`quiet` at which the limits of rests are those of the recordings. By definition: the default of `quiet`."""
 
 
 @dataclass(frozen=True, slots=True)

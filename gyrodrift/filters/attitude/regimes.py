@@ -28,18 +28,22 @@ SPREAD_WEIGHT = 2.0
 """Weight of the scatter of block means in the error of their mean. Measured: as above."""
 
 GATE = 27.0
-"""Squared distance, of three components, beyond which a later window does not belong to the rest: 3 sigma each."""
+"""Squared distance, of three components, beyond which a later window does not belong to the rest. Derived: 3·3²,
+3 sigma each."""
 
 QUIET_SPEED, NOISY_SPEED = 0.05, 0.1
 """Standard deviation of the velocity in quiet and in noisy rests, m/s. Measured: as above."""
 
 FREE_RATE = 1000.0 * RAD
-"""Standard deviation of the vertical rate of an even turn as a measurement of the bias, rad/s: none."""
+"""Standard deviation of the vertical rate of an even turn as a measurement of the bias, rad/s. Chosen: so large that it
+measures none."""
 
 CERTAIN = 9.0
-"""Logarithm of odds from which on a hypothesis does not branch: 1 : 8000."""
+"""Logarithm of odds from which on a hypothesis does not branch. Chosen: 1 : 8000."""
 
 LARGEST_LOG = 60.0
+"""Largest distance of a logarithm of odds from the highest that counts. Chosen: its exp() is far below `LEAST_WEIGHT`,
+and above 0."""
 
 
 def duration_odds(seconds: float) -> float:

@@ -10,6 +10,7 @@ from gyrodrift.filters.attitude.predict import GRAVITY
 from gyrodrift.values.arrays import Floats
 
 RAD = 0.017453292519943295
+"""A degree in rad. By definition: π/180."""
 
 GYRO_SPREAD = 0.15 * RAD
 ACCEL_SPREAD = 0.07
@@ -26,7 +27,7 @@ FASTEST_START = 4.0 * RAD
 """Likewise at power-on, where rests are more frequent. Chosen: three standard deviations of raw parts."""
 
 LONGEST = 40
-"""Blocks that are kept."""
+"""Blocks that are kept. Derived: the longest kind of rest, `LONG_NOISY`."""
 
 
 class RestKind(NamedTuple):

@@ -7,10 +7,10 @@ SPIKE_DPS = 300.0
 """Change of a rate between two samples that may be a spike, deg/s. Chosen: hands reach 15 000 deg/s² at 50 Hz."""
 
 LONGEST_SPIKE_S = 0.05
-"""Longest time between two samples of which the first may be a spike, s: slower streams turn by as much."""
+"""Longest time between two samples of which the first may be a spike, s. Chosen: slower streams turn by as much."""
 
 RETURN_SHARE = 0.5
-"""Share of the jump within which the next sample has returned."""
+"""Share of the jump within which the next sample has returned. Chosen."""
 
 
 def mean_rate(s: AttitudeState, dt: float, gyro: Vector) -> Vector:

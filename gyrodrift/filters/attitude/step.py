@@ -16,16 +16,17 @@ from gyrodrift.values.vectors import Vector
 __all__ = ["coefficients", "step"]
 
 FASTEST_DPS = 10000.0
-"""Rates above this are no measurement, deg/s: the widest range of MEMS gyros is 4000 deg/s."""
+"""Rates above this are no measurement, deg/s. Chosen: the widest range of MEMS gyros is 4000 deg/s."""
 
 LARGEST_MPS2 = 4000.0
-"""Accelerations above this are no measurement, m/s²: the widest range of common parts is 400 g."""
+"""Accelerations above this are no measurement, m/s². Chosen: the widest range of common parts is 400 g."""
 
 CLIPPED_MPS2 = 18.0
-"""Equal accelerations in a row above this are the end of a range, m/s²: the smallest range is 2 g."""
+"""Equal accelerations in a row above this are the end of a range, m/s². Chosen: the smallest range is 2 g,
+19.6 m/s²."""
 
 HOLD_S = 0.1
-"""Time for which an acceleration holds, s: an accelerometer may be slower than the gyro."""
+"""Time for which an acceleration holds, s. Chosen: an accelerometer may be slower than the gyro."""
 
 
 def step(

@@ -34,7 +34,7 @@ LIKELIHOOD_SHARE = 0.1
 motion that is not bounded prefers the hypothesis that knows least. Chosen."""
 
 OUTLIER = 9.0
-"""Squared distance of a velocity from 0 beyond which its measurement counts less: 3 sigma (Huber)."""
+"""Squared distance of a velocity from 0 beyond which its measurement counts less (Huber). Derived: 3², 3 sigma."""
 
 
 def forget_velocity(h: Hypotheses) -> None:

@@ -6,7 +6,7 @@ from gyrodrift.filters.attitude.hypotheses import Hypotheses
 from gyrodrift.values.quaternion import Quaternion, heading_deg
 
 INVERTED = 0.06698729810778066
-"""w² + z² of an attitude below which the tilt is above 150°: cos²(75°). The twist turns fast there."""
+"""w² + z² of an attitude below which the tilt is above 150°, where the twist turns fast. Derived: cos²(75°)."""
 
 
 def unwrapped_deg(expected_deg: float, q: Quaternion) -> float:

@@ -18,7 +18,7 @@ KNOWN_SHARE = 0.01
 """Variance of the bias, as a share of that at power-on, below which a measurement has made it known. Chosen."""
 
 MEASURED = 0.5
-"""Probability of a right measurement from which on the bias counts as measured."""
+"""Probability of a right measurement from which on the bias counts as measured. Chosen: even odds."""
 
 
 def has_block_ended(s: RestlevelState) -> bool:

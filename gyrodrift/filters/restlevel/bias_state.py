@@ -188,7 +188,7 @@ class SureRest:
 
 
 UNSAID_C = -1000.0
-"""Temperature before the first measurement, °C."""
+"""Temperature before the first measurement, °C. By definition: below every temperature."""
 
 NEW_SLOPE_VAR = 0.01**2
 """Variance of the slope of a new sensor, (deg/s per °C)². Source: data sheets of common parts."""

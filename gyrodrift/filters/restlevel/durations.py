@@ -12,22 +12,24 @@ from gyrodrift.filters.restlevel.rate_state import RateWander
 from gyrodrift.filters.restlevel.wander import wander_probability
 
 SPINS_PER_DPS = 0.03
-"""Probability density of the rates of constant spins, 1/(deg/s): uniform up to about 15 deg/s in both directions."""
+"""Probability density of the rates of constant spins, 1/(deg/s). Chosen: uniform up to about 15 deg/s in both
+directions."""
 
 CHANCE_LEVELS = 4.0
-"""Number of chance levels for each constant spin, if levels wander."""
+"""Number of chance levels for each constant spin, if levels wander. Chosen: they are more frequent than spins."""
 
 LEVEL_S = 12.0
 """Time scale of rests and spins, s. A rest lasts longer than t with probability 1/√(1 + (t/12)²); the median is 20 s.
 
-For spins it is this probability to the power 1.5; the median is 15 s."""
+For spins it is this probability to the power 1.5; the median is 15 s. Chosen."""
 
 CHANCE_STAYS, NOISY_STAYS = 0.9, 0.985
 """Probabilities that a chance level lasts for a further block, 3 s on average, and a noisy motion whose block means
-scatter less than white noise, 20 s. Other noisy motions have no such end. The second is chosen."""
+scatter less than white noise, 20 s. Other noisy motions have no such end. Chosen."""
 
 GRADUAL_REST, GRADUAL_SPIN, GRADUAL_CHANCE = 0.01, 0.1, 0.9
-"""Shares of rests, spins and chance levels that end gradually. A chance level may be the flat part of a curve."""
+"""Shares of rests, spins and chance levels that end gradually. Chosen: a chance level may be the flat part of a
+curve."""
 
 
 def begin_rest(h: Hypothesis, wander: RateWander, odds: float, sample_var: float, away_dps: float) -> None:

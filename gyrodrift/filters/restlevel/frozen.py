@@ -10,8 +10,8 @@ from gyrodrift.filters.restlevel.noise import FINE_DPS
 NOISE_STEPS = 2.0
 """Smallest noise at rest, in steps of the sensor, with which a repeated value shows a freeze.
 
-At this noise two samples are equal with probability 1/(2·√π·NOISE_STEPS), one in seven. All six samples of the shortest
-block are equal once in 18 000 blocks."""
+Chosen: at this noise two samples are equal with probability 1/(2·√π·NOISE_STEPS), one in seven. All six samples of the
+shortest block are equal once in 18 000 blocks."""
 
 
 def detect_freeze(s: RestlevelState) -> None:

@@ -36,7 +36,8 @@ from gyrodrift.filters.restlevel.vibration import (
 from gyrodrift.filters.restlevel.wander import forget_levels
 
 NOISY_REST_SHARE = 0.1
-"""Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion."""
+"""Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion.
+Chosen: one rest in ten."""
 
 PARTS = ((0.25, 0.01), (0.25, 0.1), (0.48, 1.0), (0.02, 8.0))
 """Kinds of parts: their share, and the sigma of their turn-on bias over `turn_on_dps`. The first two subtract their own

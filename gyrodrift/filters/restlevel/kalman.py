@@ -13,13 +13,14 @@ from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 
 RAMP_PROBABILITY = 0.3
-"""Prior probability that the bias has followed a ramp since the last rest, and not a random walk."""
+"""Prior probability that the bias has followed a ramp since the last rest, and not a random walk. Chosen: a prior
+learned by hypothesis was no better (docs/blind-alleys.md)."""
 
 MAX_RAMP_S = 20.0
-"""Longest ramp, s."""
+"""Longest ramp, s. Chosen."""
 
 MAX_LOG_ODDS = 700.0
-"""Largest argument of exp(): its value is still a finite float."""
+"""Largest argument of exp(). Derived: its value is still a finite double (IEEE 754)."""
 
 
 class KalmanStep(NamedTuple):

@@ -22,29 +22,31 @@ from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, R
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
 
 REMEMBERED_WEIGHT = 0.95
-"""Probability that the memory is still true: the sensor was not replaced or damaged."""
+"""Probability that the memory is still true: the sensor was not replaced or damaged. Chosen."""
 
 START_SHARE, START_AGE_S = 0.1, 600.0
 """Change of the bias by a restart of the sensor, in sigmas of the turn-on bias. A memory older than `START_AGE_S`, s,
-is from before a restart."""
+is from before a restart. Chosen."""
 
 SIMILAR_START_C = 3.0
-"""Largest difference in temperature of two similar starts, °C."""
+"""Largest difference in temperature of two similar starts, °C. Chosen: the bias moves by 0.03 deg/s at the slope of
+`NEW_SLOPE_VAR`."""
 
 STARTS_KEPT = 12
-"""Largest number of remembered starts."""
+"""Largest number of remembered starts. Chosen: a memory stays small."""
 
 FACTOR_STARTS = 3.0
-"""Number of starts that the prior of the drift factor counts for."""
+"""Number of starts that the prior of the drift factor counts for. Chosen: a weak prior."""
 
 FACTOR_CLIP = 9.0
-"""Largest ratio of a squared error to its expected variance that the drift factor counts: three sigmas."""
+"""Largest ratio of a squared error to its expected variance that the drift factor counts. Derived: 3², three sigmas."""
 
 LEAST_FACTOR, MOST_FACTOR = 0.1, 1000.0
-"""Limits of the drift factor."""
+"""Limits of the drift factor. Chosen."""
 
 LEAST_VAR = 1e-8
-"""Smallest variance of a remembered bias, (deg/s)², and smallest denominator of a probability."""
+"""Smallest variance of a remembered bias, (deg/s)², and smallest denominator of a probability. Chosen: the square of
+0.0001 deg/s."""
 
 Dps = Annotated[float, Ge(-1e5), Le(1e5)]
 Size = Annotated[float, Ge(0.0), Le(1e6)]

@@ -11,18 +11,19 @@ from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelCoefficients, RestlevelState
 
 MIN_WEIGHT = 1e-9
-"""Probability below which a hypothesis is pruned."""
+"""Probability below which a hypothesis is pruned. Chosen: far below `TAIL`, so the output does not show it."""
 
 TAIL = 0.045
 """Probability that is subtracted from each hypothesis for the variances. Two sigmas should hold in 19 of 20 cases, so
-less probable hypotheses do not count."""
+less probable hypotheses do not count. Derived: the share of a normal distribution beyond two sigmas."""
 
 TURN_ON_FACTOR = 4.0
 """Largest ratio of the bias variances of two hypotheses without a known bias that merge. A larger ratio is that of two
-kinds of parts."""
+kinds of parts. Chosen: variances of kinds differ by a factor of 64 or more (`PARTS`)."""
 
 GATE_YAW_VAR = 1e-4
-"""Variance that the merge gate adds to yaw, deg². In a long rest from the start, yaw itself has no variance."""
+"""Variance that the merge gate adds to yaw, deg². In a long rest from the start, yaw itself has no variance. Chosen:
+the square of 0.01 deg."""
 
 
 def merge_and_prune(s: RestlevelState) -> None:

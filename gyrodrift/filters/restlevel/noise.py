@@ -6,50 +6,56 @@ from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 from gyrodrift.filters.restlevel.rate_state import BlockStats, NoiseModel
 
 MIN_VAR = 1e-12
-"""Smallest variance of samples, (deg/s)². A sensor of the finest steps has some noise, too."""
+"""Smallest variance of samples, (deg/s)². Chosen: a sensor of the finest steps has some noise, too."""
 
 UNKNOWN_STEPS_VAR = 0.03**2
-"""Variance that unknown steps may hide, (deg/s)²: half a step of coarse parts, squared."""
+"""Variance that unknown steps may hide, (deg/s)². Derived: half a step of coarse parts, squared; 16 bits over
+±2000 deg/s have steps of 0.06 deg/s."""
 
 COARSEST_VAR = 0.125**2
-"""Largest variance that steps may hide, (deg/s)²: half the coarsest step, squared. A larger step is a motion."""
+"""Largest variance that steps may hide, (deg/s)²: half the coarsest step, squared. Chosen: a larger step is a
+motion."""
 
 FINE_DPS = 0.03
-"""Largest step of a fine sensor, deg/s. Such a sensor always shows noise at rest, so repeated zeros are no rates."""
+"""Largest step of a fine sensor, deg/s. Such a sensor always shows noise at rest, so repeated zeros are no rates.
+Chosen: half of `USUAL_NOISE_DPS`."""
 
 START_BLOCKS = 5
 MAX_NOISE_VAR = 1.2**2
 """First steps after fewer blocks of a single value are noise. After more blocks they are noise only with a variance
-below `MAX_NOISE_VAR`, (deg/s)². Its root is twenty times `USUAL_NOISE_DPS`."""
+below `MAX_NOISE_VAR`, (deg/s)². Chosen: its root is twenty times `USUAL_NOISE_DPS`."""
 
 NOISE_BLOCKS = 20
-"""Number of stationary blocks up to which the noise is their mean; after that it follows by `NOISE_GAIN`."""
+"""Number of stationary blocks up to which the noise is their mean; after that it follows by `NOISE_GAIN`. Chosen: 6 s
+at the default `window_s`."""
 
 NOISE_GAIN = 0.01
 NOISE_RISE = 0.001
 """Weight of a stationary block in the logarithm of the noise, and relative rise of the noise in other blocks, 1/s. It
-rises because a motor may have been switched on. The first is small, so that a smooth road does not become the noise."""
+rises because a motor may have been switched on. Chosen: at 0.05 instead of 0.01, a smooth road becomes the noise
+(docs/blind-alleys.md)."""
 
 DROP_SIGMAS = 4.5
-"""Distance of two consecutive variances below the noise, in standard errors, at which they replace the noise."""
+"""Distance of two consecutive variances below the noise, in standard errors, at which they replace the noise. Chosen:
+at 2.5, luck is enough once an hour (docs/blind-alleys.md)."""
 
 USUAL_NOISE_DPS, NOISE_SPREAD = 0.06, 1.0
 """Usual standard deviation of a sample at rest, deg/s, and the spread of its logarithm over parts. Source: densities of
 0.003 to 0.03 deg/s/√Hz in data sheets, in bandwidths of 5 to 200 Hz."""
 
 MOTION_DENSITY = 0.11
-"""Probability density of the logarithm of the scatter in motion: uniform from 0.01 to 100 deg/s, 1/ln(10⁴)."""
+"""Probability density of the logarithm of the scatter in motion, uniform from 0.01 to 100 deg/s. Derived: 1/ln(10⁴)."""
 
 WALK_GAIN = 0.05
-"""Weight of a squared step between two block means in the angle random walk."""
+"""Weight of a squared step between two block means in the angle random walk. Chosen: about twenty count."""
 
 INNOVATION_CLIP = 9.0
-"""Largest ratio of a squared step between two block means to its expected value: three sigmas."""
+"""Largest ratio of a squared step between two block means to its expected value. Derived: 3², three sigmas."""
 
 FLICKER_GAIN = 0.002
 FLICKER_CLIP = 4.0
-"""Weight of a block in the flicker, and largest ratio of its excess to the expected variance. Flicker is learned over
-minutes, because within seconds a gradual curve looks like flicker."""
+"""Weight of a block in the flicker, and largest ratio of its excess to the expected variance. Chosen: flicker is
+learned over minutes, because within seconds a gradual curve looks like flicker."""
 
 
 def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel) -> bool:

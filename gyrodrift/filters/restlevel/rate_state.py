@@ -7,7 +7,7 @@ structured array, on which the same source runs compiled.
 from dataclasses import dataclass, field
 
 NEVER = 1 << 30
-"""Number of blocks since an event that has not happened."""
+"""Number of blocks since an event that has not happened. By definition: above every count."""
 
 
 @dataclass(slots=True)
@@ -186,7 +186,7 @@ class EndedSegment:
 
 
 TURN_SLOTS = 32
-"""Number of stored mean rates: of about five minutes of motion."""
+"""Number of stored mean rates. Chosen: those of about five minutes of motion."""
 
 
 @dataclass(slots=True)

@@ -9,13 +9,15 @@ from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelSt
 
 SURE_PROBABILITY = 0.95
 SURE_S, SURE_BY_WITNESS_S = 10.0, 1.5
-"""Probability of a sure rest, and its shortest length, s: by the rate alone, and with an external rest sensor."""
+"""Probability of a sure rest, and its shortest length, s: by the rate alone, and with an external rest sensor.
+Chosen."""
 
 SAME_PERIOD = 0.1
-"""Largest relative difference of the sample period from the remembered period."""
+"""Largest relative difference of the sample period from the remembered period. Chosen."""
 
 RECALLED_BLOCKS = 10
-"""Number of stationary blocks that remembered noise counts for, so that new blocks can change it."""
+"""Number of stationary blocks that remembered noise counts for. Chosen: half of `NOISE_BLOCKS`, so that new blocks can
+change it."""
 
 
 def recall_noise(s: RestlevelState, seconds: float) -> None:

@@ -14,15 +14,16 @@ from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 
 MARK_S = 4.0
-"""Time between two steps of the bias of a rest, s."""
+"""Time between two steps of the bias of a rest, s. Chosen: at 2 or 3 s, more simulated drives had harm
+(docs/blind-alleys.md)."""
 
 FLAT_S = 1.0
 """Time in s whose drift by `drift_dps_s` is no slide: a quarter of the drift in `MARK_S`.
 
-It is half way between no slide and a slide by half of that drift."""
+Chosen: it is half way between no slide and a slide by half of that drift."""
 
 LONGEST_SLIDE_S = 40.0
-"""Longest bend, s. A longer slide is a change of temperature."""
+"""Longest bend, s. Chosen: a longer slide is a change of temperature."""
 
 
 def mark_safe(h: Hypothesis) -> None:

@@ -46,16 +46,19 @@ from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, weigh
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 LEAST_VAR = 1e-24
-"""Smallest variance of a turn-on bias, (deg/s)²: below that of any gyro, and large enough to divide by."""
+"""Smallest variance of a turn-on bias, (deg/s)². Chosen: below that of any gyro, and large enough to divide by."""
 
 MIN_BLOCK_SAMPLES = 6
-"""Smallest number of samples in a block. The variance of fewer samples is too uncertain."""
+"""Smallest number of samples in a block. Chosen: the variance of fewer samples is too uncertain, and twelve had larger
+errors (docs/blind-alleys.md)."""
 
 SAME_TIME_S = 1e-6
-"""Difference of two times that are the same, s: the last digits of a time must not decide where a block ends."""
+"""Difference of two times that are the same, s. Chosen: the last digits of a time must not decide where a block
+ends."""
 
 TURN_DEG = 30.0
-"""Angle of a turn, deg. Errors of scale and cross axes are equal within a turn, and independent between turns."""
+"""Angle of a turn, deg. Errors of scale and cross axes are equal within a turn, and independent between turns.
+Chosen."""
 
 
 def coefficients(params: RestlevelParams) -> RestlevelCoefficients:

@@ -13,17 +13,17 @@ from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelCoefficients, 
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 
 HYSTERESIS_VAR_C, LOOP_VAR_C = 0.015**2, 0.03**2
-"""Variance of the bias about the line per °C of change, (deg/s)²/°C: within a minute, and within ten. Source: a real
+"""Variance of the bias about the line per °C of change, (deg/s)²/°C: within a minute, and within ten. Measured: a real
 temperature sweep."""
 
 POINT_S = 10.0
-"""Time of a sure rest between two measurements of the level, s."""
+"""Time of a sure rest between two measurements of the level, s. Chosen."""
 
 SMOOTH_S = 3.0
-"""Averaging time of the temperature, s, because thermometers are noisy."""
+"""Averaging time of the temperature, s. Chosen: thermometers are noisy."""
 
 JUMP_SIGMAS = 3.0
-"""Distance from the line, in sigmas, beyond which the bias has jumped."""
+"""Distance from the line, in sigmas, beyond which the bias has jumped. Chosen."""
 
 
 def follow_temperature(s: RestlevelState, seconds: float) -> None:

@@ -14,19 +14,20 @@ from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.rate_state import TURN_SLOTS, MeanTurns
 
 TURN_S = 10.0
-"""Time outside of constant-rate segments in a mean rate, s."""
+"""Time outside of constant-rate segments in a mean rate, s. Chosen."""
 
 LEAST_TURNS = 5
-"""Smallest number of mean rates for a median."""
+"""Smallest number of mean rates for a median. Chosen."""
 
 CORRELATED_RATES = 4.0
-"""Number of consecutive mean rates that count as a single rate, because bends last up to forty seconds."""
+"""Number of consecutive mean rates that count as a single rate. Derived: bends last up to forty seconds, four times
+`TURN_S`."""
 
 LEAST_SPREAD_DPS = 0.05
-"""Smallest sigma of the median, deg/s: no motion is balanced to better than three degrees per minute."""
+"""Smallest sigma of the median, deg/s. Chosen: no motion is balanced to better than three degrees per minute."""
 
 SIDED = 0.5
-"""Share of devices that turn more to one side. The true share is unknown, so the odds are even."""
+"""Share of devices that turn more to one side. Chosen: the true share is unknown, so the odds are even."""
 
 
 def follow_turns(turns: MeanTurns, angle_deg: float, seconds: float) -> None:

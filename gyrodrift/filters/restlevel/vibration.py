@@ -36,7 +36,7 @@ VIBRATION_SHARE = 0.5
 """Odds of a rest in vibration over those of a quiet rest, before any noisy motion. Chosen: each is seen once."""
 
 LEAST_LEVEL_DENSITY = 1e-12
-"""Smallest density of a level, 1/(deg/s): a hypothesis stays alive."""
+"""Smallest density of a level, 1/(deg/s). Chosen: a hypothesis stays alive."""
 
 
 def vibrates_steadily(s: RestlevelState) -> bool:

@@ -10,23 +10,25 @@ from math import exp, log
 from gyrodrift.filters.restlevel.rate_state import RateWander
 
 SENSOR_BREAK, WANDER_BREAK = 0.02, 0.2
-"""Probability that the next stationary block leaves the level: of a sensor with flicker, and of wandering levels."""
+"""Probability that the next stationary block leaves the level: of a sensor with flicker, and of wandering levels.
+Chosen."""
 
 BREAK_LOG_ODDS = log(WANDER_BREAK / SENSOR_BREAK)
 AGREEMENT_ODDS = (1.0 - SENSOR_BREAK) / (1.0 - WANDER_BREAK)
 AGREEMENT_LOG_ODDS = log(AGREEMENT_ODDS)
 """Log likelihood ratios of a sequential probability ratio test: for wandering levels by a block that leaves the level,
-and against them by a block that agrees."""
+and against them by a block that agrees. Derived: ratios of the two probabilities."""
 
 WANDER_ODDS = 1.0 / 9.0
-"""Prior odds that levels wander."""
+"""Prior odds that levels wander. Chosen: a probability of 0.1."""
 
 FORGETTING = 0.98
-"""Share of the log odds that a further block leaves, so that about fifty blocks count."""
+"""Share of the log odds that a further block leaves. Chosen: about fifty blocks count."""
 
 UNKNOWN_STEP_DPS = 10.0
 STEP_GAIN = 0.1
-"""Median step between levels before the first step, deg/s, and the smallest change of its logarithm by a step."""
+"""Median step between levels before the first step, deg/s, and the smallest change of its logarithm by a step.
+Chosen."""
 
 
 def count_agreement(wander: RateWander) -> None:

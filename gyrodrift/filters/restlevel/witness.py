@@ -20,26 +20,28 @@ from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_confirmed
 from gyrodrift.filters.restlevel.slide import mark_safe
 
 FIT_SIGMAS = 6.0
-"""Distance of a block mean from the bias, in sigmas, that contradicts a report of rest."""
+"""Distance of a block mean from the bias, in sigmas, that contradicts a report of rest. Chosen."""
 
 AGREEMENT_SIGMAS = 4.0
-"""Largest distance of contradicting blocks of the same level, in sigmas: a bias that has jumped, or a constant turn."""
+"""Largest distance of contradicting blocks of the same level, in sigmas: a bias that has jumped, or a constant turn.
+Chosen: the gate of a segment, `segments.GATE_SIGMAS`."""
 
 MOST_CONTRADICTIONS = 5.0
-"""Number of contradicting blocks that refutes a witness."""
+"""Number of contradicting blocks that refutes a witness. Chosen: 1.5 s of a turn at the default `window_s`."""
 
 FIT_CREDIT = 0.1
-"""Number of contradictions that a block which fits removes."""
+"""Number of contradictions that a block which fits removes. Chosen."""
 
 MOST_FIRST, MOST_JUMP = 20.0, 1.0
-"""Largest first bias, and largest jump of a known bias, in sigmas of the turn-on bias. A larger level is a turn."""
+"""Largest first bias, and largest jump of a known bias, in sigmas of the turn-on bias. Chosen: a larger level is a
+turn."""
 
 FIRST_BLOCKS = 2
 """Number of contradicting blocks of the same level that show a first bias. A jump of a known bias needs
-`CONFIRMED_BLOCKS`."""
+`CONFIRMED_BLOCKS`. Chosen."""
 
 MAJORITY = 0.5
-"""Probability above which the device counts as at rest, and its bias as known."""
+"""Probability above which the device counts as at rest, and its bias as known. By definition."""
 
 
 def hear(witness: Witness, still: float) -> None:
