@@ -15,8 +15,7 @@ from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 RESTS_S = 1.0
-"""Least time for which the count of a rest is constant, s. Chosen: REST_MEAN_S, over which the gyro is
-averaged."""
+"""Least time for which the count of a rest is constant, s. Chosen: REST_MEAN_S, over which the gyro is averaged."""
 
 REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
 """Tolerance of the gyro at rest, deg/s, to which so many standard deviations of a mean over REST_MEAN_S are added; and
