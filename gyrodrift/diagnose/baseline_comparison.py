@@ -51,7 +51,7 @@ from gyrodrift.values.arrays import Floats, Mask
 SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
 CALM = 0.75
-"""Share of the second differences that count as noise."""
+"""Share of the second differences that count as noise. Chosen: the quarter with the most motion is left out."""
 
 ALL = np.ones(len(FEATURES), bool)
 """(F,) all features."""
@@ -125,9 +125,9 @@ def _steps_dps(recordings: Sequence[Recording]) -> float | None:
 
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
-"""Probability from which on a cause of the baseline goes into the rig, and the same for effects on times alone. A less
-probable cause stays in the difference that is subtracted. An effect on times alone changes no other feature, so it goes
-into the rig as soon as it is more probable than not."""
+"""Probability from which on a cause of the baseline goes into the rig, and the same for effects on times alone. Chosen:
+a less probable cause stays in the difference that is subtracted. An effect on times alone changes no other feature, so
+it goes into the rig as soon as it is more probable than not."""
 
 
 class ExplainedBaseline(NamedTuple):

@@ -21,17 +21,19 @@ from gyrodrift.io.progress import OnProgress, ignore_progress
 from gyrodrift.values.arrays import Floats, Integers
 
 SIGMAS = 3.0
-"""Standard errors of the smallest size that shows."""
+"""Standard errors of the smallest size that shows. Chosen: noise alone rarely reaches it."""
 
 BLOCK_S = 1.0
-"""Length over which rate errors are averaged: the counts of an encoder are small against a second of motion."""
+"""Length over which rate errors are averaged, s. Chosen: the counts of an encoder are small against a second of
+motion."""
 
 REST_DPS, LEAST_REST, LEAST_SPAN_C, LEAST_MINUTES, BOTH_WAYS, LEAST_RECORDINGS = 1.0, 0.1, 3.0, 1.0, 0.1, 3
 """A second is a rest below this rate. Advice is given below these shares of rests and of turns in the rarer direction.
 It is also given below this span of the temperature, this length of all recordings and this number of them. Chosen."""
 
 WARMUP_S = 100.0
-"""Time constant of the warm-up whose smallest size is stated, the middle of those that a diagnosis tries."""
+"""Time constant of the warm-up whose smallest size is stated, s. Derived: the middle of those that a diagnosis
+tries."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,8 @@ TERMS: Mapping[str, tuple[Term, float]] = MappingProxyType(
         "temp_scale": (lambda blocks: None if blocks.warm_c is None else blocks.warm_c * blocks.rate_dps, 100.0),
     }
 )
-"""Rate error of each effect at size 1, deg/s, and the unit of the size in that of its parameter."""
+"""Rate error of each effect at size 1, deg/s, and the unit of the size in that of its parameter. By definition of the
+parameters."""
 
 BEFORE = {"scale_factor": (), "temp_bias": (), "warmup": (), "latency": ("scale_factor",)}
 """Effects whose terms are fitted before, beside the bias; the scale for all others."""

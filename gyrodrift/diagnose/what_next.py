@@ -22,7 +22,7 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
 
 MOST = 0.99
-"""Largest probability that is stated: it comes from a few simulations."""
+"""Largest probability that is stated. Chosen: it comes from a few simulations."""
 
 
 def sentence(recording: NextRecording, file: str) -> str:
@@ -77,18 +77,22 @@ FILE = "next-profile.yaml"
 """Name of the file of the profile, in the folder of `rig.yaml`."""
 
 SEED = 0
+"""Seed of the simulations. Chosen: equal recordings get equal advice."""
+
 MINUTES = (1.0, 4.0)
-"""Bounds of the length of a proposed recording, which is otherwise the median length of the recordings so far."""
+"""Bounds of the length of a proposed recording, minutes, which is otherwise the median length of the recordings so far.
+Chosen: from the 60 s that a diagnosis needs, to a few minutes of work."""
 
 MOST_HYPOTHESES = 3
-"""Largest number of hypotheses that a motion is chosen for."""
+"""Largest number of hypotheses that a motion is chosen for. Chosen: speed."""
 
 UNSEEN = 0.1
 """Probability assumed for an effect of typical size that these sessions would not have shown. Chosen, not measured."""
 
 SMALL_SHARE = 0.5
 """An effect that no cause names is an open question if its typical size is below this share of its smallest detectable
-size. For a limit, where smaller values are larger effects, the ratio is inverted."""
+size. For a limit, where smaller values are larger effects, the ratio is inverted. Chosen: others show in recordings
+that are four times longer."""
 
 
 class Next(NamedTuple):

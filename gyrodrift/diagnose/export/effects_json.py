@@ -10,6 +10,8 @@ from gyrodrift.effects import EFFECTS
 
 FILE = "effects.json"
 FORMAT, VERSION = "gyrodrift-effects", 1
+"""Name and version of the format. By definition: the public interface has them."""
+
 UNKNOWN = "gyrodrift.effects does not know it"
 
 

@@ -11,7 +11,7 @@ from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.report.numbers import significant
 
 RAD = pi / 180.0
-"""Radians per degree."""
+"""Radians per degree. By definition."""
 
 RESTRICTIONS = {
     EffectSlot.ENCODER: "it changes the angle of the encoder, not the rate",

@@ -19,7 +19,7 @@ from gyrodrift.diagnose.export.formats import RAD, FormatExport, comment_lines, 
 FILE = "gazebo.sdf"
 
 WALK_S = 1e5
-"""Correlation time of a walk: longer than a run, so that the bias does not decay."""
+"""Correlation time of a walk, s. Chosen: longer than a run, so that the bias does not decay."""
 
 FLICKER_S = 100.0
 FLICKER_SIGMA = 0.664 / 0.617

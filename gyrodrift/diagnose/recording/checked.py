@@ -26,18 +26,21 @@ large changes stops so, and there are at least so many of them. Chosen: hardly a
 read with each sample. Most changes do if it is held, even at half of the rate and with scatter."""
 
 REST = 3.0
-"""Length from which on an equal angle is a rest with readings in it, in distances of readings in motion."""
+"""Length from which on an equal angle is a rest with readings in it, in distances of readings in motion. Chosen: twice
+the largest distance in motion."""
 
 NEXT = 1.7
-"""Largest distance of two readings in a row, in usual distances: up to 1.5 with scatter; near 2 one lacks between."""
+"""Largest distance of two readings in a row, in usual distances: up to 1.5 with scatter; near 2 one lacks between.
+Chosen: between these two."""
 
 INNER = (1.0, 99.0)
-"""Percentiles of the distances from even times; a few readings outside of them do not count."""
+"""Percentiles of the distances from even times; a few readings outside of them do not count. Chosen: 1 % at either
+end."""
 
 EVEN, WITH_SAMPLES = 1.2, 0.05
 """Spread between INNER percentiles, in samples, up to which the readings are even, and below which they are taken with
-the samples. Readings at even times appear within one sample behind them: a fifth more allows for scatter. Readings that
-are taken with the samples always appear equally late."""
+the samples. Chosen: readings at even times appear within one sample behind them, and a fifth more allows for scatter.
+Readings that are taken with the samples always appear equally late."""
 
 
 def without_held_angles(session: Session) -> tuple[Session, str]:
@@ -130,19 +133,19 @@ def _turn_since_deg(sample: Integers, age: Floats, angle_deg: Floats) -> Floats:
 
 
 OUTAGE_S, MANY_APART = 0.2, 10.0
-"""Least length of an outage: seconds, and median distances of samples that have both a rate and an angle. A link that
-loses every tenth sample rarely loses ten in a row. A reference may have a lower rate than the gyro."""
+"""Least length of an outage: seconds, and median distances of samples that have both a rate and an angle. Chosen: a
+link that loses every tenth sample rarely loses ten in a row. A reference may have a lower rate than the gyro."""
 
 BREAK_S, AROUND = 1.0, 200
 """Step between two clocks that counts as a break: a clock was set, or the device began again.
 
 The least delays of so many samples before and after the step are compared. Behind a busy host the delay returns to the
-value before the step.
+value before the step. Chosen: a clock that is set mostly steps by more, and AROUND is that of `numbering`.
 """
 
 ENOUGH = 0.5
-"""Least share of a session that its parts must hold, or it is not split. If a link fails that often, the outages are
-part of the session."""
+"""Least share of a session that its parts must hold, or it is not split. Chosen: if a link fails that often, the
+outages are part of the session."""
 
 
 class Parts(NamedTuple):

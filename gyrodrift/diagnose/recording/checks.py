@@ -18,18 +18,18 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
 LEAST_S = 20.0
-"""Least length of a recording, s: a rest and a few turns fit into it."""
+"""Least length of a recording, s. Chosen: a rest and a few turns fit into it."""
 
 TOGETHER_S = 60.0
-"""Least length of all recordings together, s: shorter recordings do not identify effects."""
+"""Least length of all recordings together, s. Chosen: shorter recordings do not identify effects."""
 
 LAG_S = 0.25
-"""Largest delay between encoder and gyro that may come from a sensor, s. A recorder that joined two files wrongly makes
-larger ones."""
+"""Largest delay between encoder and gyro that may come from a sensor, s. Chosen: a recorder that joined two files
+wrongly makes larger ones."""
 
 STATE_RADIANS = "state encoder:rad in --columns"
 FULL_TURN_RAD = 2.0 * np.pi + 0.1
-"""Range of angles that are wrapped and in radians, and some noise. A table turns by more degrees."""
+"""Range of angles that are wrapped and in radians. Derived: 2π, and some noise. A table turns by more degrees."""
 
 TABLE_TILT = 0.02
 """Tangent of a tilt of the table that is remarked on, about 1 deg. Chosen: tables that are leveled by hand are within

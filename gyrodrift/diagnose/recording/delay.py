@@ -10,13 +10,15 @@ from gyrodrift.values.arrays import Floats
 
 SMOOTH_S, SMOOTH_MOST_S, COUNTS = 0.1, 1.0, 3.0
 """Least and largest standard deviation of the Gaussian that smooths both rates, s. Between them it is the time in which
-the encoder passes so many counts at the usual rate."""
+the encoder passes so many counts at the usual rate. Chosen: a few counts smooth the steps of the encoder."""
 
 LAG_MOST_S = 5.0
-"""Largest delay that is tried, either way."""
+"""Largest delay that is tried, either way, s. Chosen: twenty times LAG_S of the checks, for files that were joined
+wrongly."""
 
 STEADY_SHARE = 0.03
-"""Standard deviation of the rate as a share of its mean, below which the motion is a steady spin: it shows no delay."""
+"""Standard deviation of the rate as a share of its mean, below which the motion is a steady spin. Chosen: so small a
+change of the rate shows no delay."""
 
 
 class SmoothedRates(NamedTuple):

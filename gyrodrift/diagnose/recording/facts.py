@@ -14,47 +14,53 @@ from gyrodrift.diagnose.recording.levels import LEAST_GAPS, Levels, coherence, l
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 COUNTS_MOST = 32768
-"""Largest magnitude of a signed 16-bit count."""
+"""Largest magnitude of a signed 16-bit count. By definition."""
 
 LSB_NEAR = 0.03
-"""Relative tolerance of an LSB. It is stated in a few digits, and differs from part to part by a few parts in a
+"""Relative tolerance of an LSB. Chosen: it is stated in a few digits, and differs from part to part by a few parts in a
 thousand."""
 
 TEXT_MOST = 0.25
-"""Coarsest decimals of a file, as a share of a step, at which the step is still known."""
+"""Coarsest decimals of a file, as a share of a step, at which the step is still known. Chosen: rounding then moves a
+value by at most an eighth of a step."""
 
 LEAST_LEVELS = 50
-"""Least number of different angles that show a grid of counts."""
+"""Least number of different angles that show a grid of counts. Chosen: off the grid, the coherence of so many is about
+0.14."""
 
 ON_COUNTS, OFF_COUNTS = 0.9, 0.3
 """Coherence of the angles above which they are on a grid of counts, and up to which they are off it.
 
-The coherence is |mean of exp(2πi·angle/count)|: 1 on the grid, and about 1/√n off it.
+The coherence is |mean of exp(2πi·angle/count)|: 1 on the grid, and about 1/√n off it. Chosen: near 1, and twice that of
+LEAST_LEVELS angles off the grid.
 """
 
 FINER = 0.7
-"""Gap between angles, as a share of the stated count, below which angles without steps contradict it."""
+"""Gap between angles, as a share of the stated count, below which angles without steps contradict it. Chosen: gaps of
+angles on the grid are whole counts."""
 
 COMMON_CPR = (500, 512, 600, 720, 1000, 1024, 1440, 2000, 2048, 2400, 2500, 3600, 4000, 4096, 5000, 7200, 8000, 8192)
 COMMON_FINE_CPR = (10_000, 14_400, 16_384, 20_000, 32_768, 36_000, 40_000, 65_536, 131_072, 262_144)
-"""Counts per turn of encoders that are sold. They are tried if the angles show no step: with a fine encoder few angles
-are neighboring counts."""
+"""Counts per turn of encoders that are sold. Chosen: usual numbers of lines, their fourfold, and powers of two. They
+are tried if the angles show no step: with a fine encoder few angles are neighboring counts."""
 
 SAMPLES_BEYOND = 5
-"""Least number of samples beyond the range that contradict it: a few samples may be damaged."""
+"""Least number of samples beyond the range that contradict it. Chosen: a few samples may be damaged."""
 
 WINDOW_S = 1.0
-"""Length of the windows in which the angles of gyro and encoder are compared."""
+"""Length of the windows in which the angles of gyro and encoder are compared. Chosen: a turn is many counts in it."""
 
 TURNS = (0.25, 0.5, 2.0, 4.0)
-"""Ratios of the angles of gyro and encoder that wrong counts per turn cause: a quadrature decoder counts one, two or
-four edges per line."""
+"""Ratios of the angles of gyro and encoder that wrong counts per turn cause. Derived: a quadrature decoder counts one,
+two or four edges per line."""
 
 TURN_NEAR = 0.1
-"""Relative tolerance of such a ratio, and of its difference between slow and fast turns."""
+"""Relative tolerance of such a ratio, and of its difference between slow and fast turns. Chosen: scale errors of gyros
+are smaller, and TURNS differ by factors of two."""
 
 LEAST_TURN_DEG = 3.0
-"""Least turn of the encoder in a window that gives a ratio. A window with a tenth of it counts as a rest."""
+"""Least turn of the encoder in a window that gives a ratio. A window with a tenth of it counts as a rest. Chosen: large
+against noise and counts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ LEAST_SHARE = 0.5
 """Least share of samples with an acceleration. Chosen."""
 
 STEP_S = 0.2
-"""Length of the means that are fitted, s: short compared with a turn."""
+"""Length of the means that are fitted, s. Chosen: short compared with a turn."""
 
 
 class Lean(NamedTuple):

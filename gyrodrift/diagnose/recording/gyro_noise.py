@@ -10,22 +10,25 @@ from gyrodrift.facts.arrays import blocks_of, samples_in
 from gyrodrift.values.arrays import Floats
 
 NOISE_GAIN = 6.0
-"""Variance of a second difference of white noise, divided by the variance of the noise: 1 + 4 + 1."""
+"""Variance of a second difference of white noise, divided by the variance of the noise. Derived: 1 + 4 + 1."""
 
 NOISE_MEAN_S, CALM_QUANTILE, CALM_SIGMAS = 0.1, 0.4, 0.5244
 """Time over which rates are averaged, s; the quantile of their absolute second differences that gives the noise; and
-this quantile of absolute normal numbers, in standard deviations. Most motion is above the quantile."""
+this quantile of absolute normal numbers, in standard deviations. Chosen: most motion is above the quantile. Derived:
+CALM_SIGMAS is Φ⁻¹(0.7)."""
 
 CALMEST_SAMPLES, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
 """Samples in a stretch; the quantile of the mean squared third differences over stretches that gives the noise; and
-this quantile of white noise, in variances: 0.614 times 20."""
+this quantile of white noise, in variances: 0.614 times 20. Derived: third differences have 1 + 9 + 9 + 1. Chosen: the
+lowest tenth has the least motion."""
 
 BANDS, FOLDS = 512, 20
 """Number of frequencies up to half the sample rate, and number of multiples of the sample rate on either side, whose
-power folds down."""
+power folds down. Chosen: beyond them, a first-order low-pass at a tenth of the sample rate passes 0.1 %."""
 
 MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
-"""Quantile of absolute values, and its value for a normal distribution, in standard deviations."""
+"""Quantile of absolute values, and its value for a normal distribution, in standard deviations. Chosen: outliers hardly
+move it. Derived: MIDDLE_SIGMAS is Φ⁻¹(0.85)."""
 
 
 class LowPass(Protocol):

@@ -12,16 +12,18 @@ from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats
 
 STATES = 4
-"""Angle, degrees; rate, deg/s; acceleration, deg/s²; bias, deg/s."""
+"""Angle, degrees; rate, deg/s; acceleration, deg/s²; bias, deg/s. By definition of the model."""
 
 NOT_MEASURED = 0.0
-"""Variance that marks a sample without the measurement."""
+"""Variance that marks a sample without the measurement. By definition: no measurement is exact."""
 
 LEAST_RANK = 1e-16
-"""Cholesky pivots up to this value are rounding errors, and count as 0."""
+"""Cholesky pivots up to this value are rounding errors, and count as 0. Chosen: the relative rounding error of a
+double."""
 
 LEAST_VARIANCE = 1e-14
-"""Lower bound of the variance of a state. Rounding could make it negative."""
+"""Lower bound of the variance of a state. Rounding could make it negative. Chosen: 1e-7 of each unit, far below counts
+and noise."""
 
 
 Array = npt.NDArray[np.float64]

@@ -32,8 +32,8 @@ STEPS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
 
 
 SAME_RATE = 0.1
-"""Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. A PLL is
-good to 1 %, but a radio that loses some samples is not."""
+"""Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. Chosen: a
+PLL is good to 1 %, but a radio that loses some samples is not."""
 
 
 def is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:

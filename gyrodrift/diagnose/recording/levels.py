@@ -9,19 +9,22 @@ from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
 from gyrodrift.values.arrays import Floats
 
 LEAST_GAPS = 10
-"""Least number of small gaps that determine a step."""
+"""Least number of small gaps that determine a step. Chosen: fewer may agree by chance."""
 
 LEVELS_TRIED = 4000
-"""About the number of levels that are tried for decimals and for a grid. More levels take time and change nothing."""
+"""About the number of levels that are tried for decimals and for a grid. Chosen: more levels take time and change
+nothing."""
 
 UNITS = (1.0, 180.0 / np.pi, np.pi / 180.0)
-"""Factors between the written values and these: written as they are, in radians, or converted once too often."""
+"""Factors between the written values and these: written as they are, in radians, or converted once too often. Derived:
+degrees per radian, and radians per degree."""
 
 DECIMALS = 10
-"""Number of decimals that are tried: 0 to 9. Simulators write nine digits and more."""
+"""Number of decimals that are tried: 0 to 9. Chosen: simulators write nine digits and more."""
 
 FINEST = 2.0**-31
-"""Share of the span below which a step comes from the digits: counts of sensors and encoders have at most 31 bits."""
+"""Share of the span below which a step comes from the digits. Derived: counts of sensors and encoders have at most 31
+bits."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,17 +11,18 @@ from gyrodrift.values.arrays import Floats
 
 SMOOTH_S = 0.11
 SMOOTH_DEGREE = 4
-"""Window, s, and degree of the polynomial that is fitted to angles. It keeps motion up to about 15 Hz and smooths
-encoder counts."""
+"""Window, s, and degree of the polynomial that is fitted to angles. Chosen: it keeps motion up to about 15 Hz and
+smooths encoder counts."""
 
 TEMP_SMOOTH_S = 2.0
-"""Length of the moving average of the temperature."""
+"""Length of the moving average of the temperature, s. Chosen: the temperature of a sensor changes more slowly."""
 
 REFERENCE_C = 25.0
-"""Temperature of a recording without one: the simulator's linear effects of temperature are zero there."""
+"""Temperature of a recording without one, °C. Derived: the simulator's linear effects of temperature are zero there."""
 
 SLACK = 1e-6
-"""Tolerance, in samples, of times that count as the grid. The cubic also ends so far before the last sample."""
+"""Tolerance, in samples, of times that count as the grid. The cubic also ends so far before the last sample. Chosen:
+above rounding errors, and below any scatter of stamps."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,14 +29,14 @@ from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)
-"""Number of samples on either side."""
+"""Number of samples on either side. Chosen: each is twice the last."""
 
 WINDOWS_AVERAGED, DISAGREES = 2, 2.5
 """Number of windows over which the squared difference of two estimates is averaged, and its largest accepted value, in
 variances of noise.
 
-Averages over more windows reduce the noise on a sine to 0.3 of its size instead of 0.5. But then a slow corner is
-rounded by twice as much.
+Chosen: averages over more windows reduce the noise on a sine to 0.3 of its size instead of 0.5. But then a slow corner
+is rounded by twice as much.
 """
 
 
@@ -85,49 +85,55 @@ JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 JERK_WINDOW_STEPS = 3
 """Steps over which second differences of the rate show the jerk, and the window of their mean square, in steps.
 
-Quick motion shows in short steps, slow motion in long ones.
+Chosen: quick motion shows in short steps, slow motion in long ones.
 """
 
 JERK_GAIN = 0.6
-"""Variance of a second difference of means, divided by the intensity of the jerk times the third power of the step."""
+"""Variance of a second difference of means, divided by the intensity of the jerk times the third power of the step.
+Derived: 11/20 for long steps, rounded up."""
 
 NOISE_SHARES = 5.0
-"""Multiple of the variance by noise that is subtracted from the mean square of these differences."""
+"""Multiple of the variance by noise that is subtracted from the mean square of these differences. Chosen: the largest
+mean square in a window exceeds the mean."""
 
 STEADY_S = 4.0
-"""Time over which the filter averages the rate of a motion without jerk: sets the least intensity of the jerk."""
+"""Time over which the filter averages the rate of a motion without jerk, s: sets the least intensity of the jerk.
+Chosen: above JERK_STEPS_S."""
 
 CROSSOVER_HZ = 0.1
-"""Frequency below which the encoder determines the motion, and above which the gyro does."""
+"""Frequency below which the encoder determines the motion, and above which the gyro does. Chosen: the bias of a gyro
+wanders more slowly."""
 
 BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
 """Change of the bias in the model, as a share of the change of the rate in this time, s.
 
-An error of the gain looks like a bias that changes with the rate.
+An error of the gain looks like a bias that changes with the rate. Chosen: common gyros have scale errors of 0.5 to 3 %.
 """
 
 SMOOTH_S = 0.35
-"""Widest half window in which a motion is approximated by a cubic."""
+"""Widest half window in which a motion is approximated by a cubic, s. Chosen: wider windows would round slow motion."""
 
 CREEP_LIKE = 0.5
 """Least ratio of the shorter neighboring count to a count, in time, at which the count belongs to a creeping motion.
 
-Both steps must have the same direction.
+Both steps must have the same direction. Chosen: counts of a steady creep are equally long, and a rest is longer than
+its neighbors.
 """
 
 STILL_DEG = 0.01
-"""Step of an encoder that never moves."""
+"""Step of an encoder that never moves. Chosen: finer than the counts of most encoders."""
 
 REST_VARIANCE, REST_JERK = 1e-6, 1e-3
-"""Variance of the rate at rest, (deg/s)², and the jerk at rest as a share of the least jerk."""
+"""Variance of the rate at rest, (deg/s)², and the jerk at rest as a share of the least jerk. Chosen: 0.001 deg/s is far
+below the noise of a gyro."""
 
 RAMP_SAMPLES = 512
-"""Length of a ramp to 0 that is added at both ends before a shift in time: a step would cause ringing."""
+"""Length of a ramp to 0 that is added at both ends before a shift in time. Chosen: a step would cause ringing."""
 
 DRAW_SMOOTH_S = 0.1
-"""Standard deviation of the Gaussian that smooths the difference of a drawn path from the mean.
+"""Standard deviation of the Gaussian that smooths the difference of a drawn path from the mean, s.
 
-The model has white jerk, and a table does not. The roughness of the model would count as noise of the gyro.
+Chosen: the model has white jerk, and a table does not. The roughness of the model would count as noise of the gyro.
 """
 
 

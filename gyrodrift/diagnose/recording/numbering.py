@@ -15,26 +15,30 @@ from gyrodrift.values.arrays import Floats, Integers, Mask
 from gyrodrift.values.errors import DataError
 
 WRAP = 1 << 16
-"""Values of a 16-bit counter, the width on the wire. A counter that stays below may have wrapped."""
+"""Values of a 16-bit counter, by definition the width on the wire. A counter that stays below may have wrapped."""
 
 AROUND = 200
-"""Samples in which at least one stamp is on time. During so few samples a clock drifts by less than a period."""
+"""Samples in which at least one stamp is on time. Chosen: during so few samples a clock drifts by less than a
+period."""
 
 SCATTER = 0.2
-"""Share of a period that is subtracted from a lasting delay before it is rounded to missing samples: the scatter of
-stamps."""
+"""Share of a period that is subtracted from a lasting delay before it is rounded to missing samples. Chosen: the
+scatter of stamps."""
 
 BLOCK = 50
-"""Samples over which the mean period is taken. It is longer than a bunch."""
+"""Samples over which the mean period is taken. Chosen: it is longer than a bunch."""
 
 ROUNDS = 3
-"""Number of passes. Every pass takes the period that the pass before has fitted."""
+"""Number of passes. Every pass takes the period that the pass before has fitted. Chosen: the period of the first
+numbers may be wrong, that of the second is near."""
 
 WAITED, NEAR = 20.0, 3.0
-"""Least backlog at the start, and largest backlog at which it counts as over, in periods."""
+"""Least backlog at the start, and largest backlog at which it counts as over, in periods. Chosen: above the length of a
+bunch, and above the scatter of stamps."""
 
 EVEN = 0.01
-"""Standard deviation of stamps about an even grid, in periods, that is added against the logarithm of zero."""
+"""Standard deviation of stamps about an even grid, in periods, that is added against the logarithm of zero. Chosen:
+more even stamps are equally good."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,43 +55,48 @@ def is_isolated(residuals: Floats) -> Mask:
 
 
 SPIKE_SIGMAS = 10.0
-"""Least residual of an outlier of the rate, in standard deviations: against the encoder, or against its neighbors."""
+"""Least residual of an outlier of the rate, in standard deviations: against the encoder, or against its neighbors.
+Chosen: normal noise does not reach it."""
 
 SPIKE_OWN = 0.5
-"""Least deviation of an outlier from the median of its neighbors, as a share of its size. A jump of the angle is an
-outlier against the encoder only."""
+"""Least deviation of an outlier from the median of its neighbors, as a share of its size. Chosen: a jump of the angle
+is an outlier against the encoder only."""
 
 MOVED_SIGMAS = 3.0
 """Standard deviations below SPIKE_OWN times its size at which an outlier among its neighbors counts as motion, because
-the encoder shows it, too."""
+the encoder shows it, too. Chosen: noise of the encoder is rarely larger."""
 
 IN_A_ROW = 2
-"""Number of passes. The second outlier of a pair shows only after the first has been removed."""
+"""Number of passes. Chosen: the second outlier of a pair shows only after the first has been removed."""
 
 END_SAMPLES = 2
-"""Samples at either end that are never outliers: neighbors on a single side do not tell an outlier from motion."""
+"""Samples at either end that are never outliers: neighbors on a single side do not tell an outlier from motion.
+Derived: the cubic takes two on either side."""
 
 NEARLY_ALL, ROUNDED = 0.995, 1.05
 """Share of the samples, and number of encoder steps within which they lie if the angle errs by rounding only. Then the
-threshold of a jump does not depend on the standard deviation, because rounding makes no larger jump."""
+threshold of a jump does not depend on the standard deviation, because rounding makes no larger jump. Chosen: jumps are
+rarer than one in 200 samples."""
 
 MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
-"""Share of a normal distribution within so many standard deviations. A tenth of the samples may be outliers or quick
-motion."""
+"""Share of a normal distribution within so many standard deviations. Chosen: a tenth of the samples may be outliers or
+quick motion. Derived: MIDDLE_SIGMAS is Φ⁻¹(0.95)."""
 
 LEAST_SAMPLES = 8
-"""Least number of samples from which the standard deviation within a second is taken."""
+"""Least number of samples from which the standard deviation within a second is taken. Chosen: fewer hardly show
+MIDDLE_SHARE."""
 
 FEW_STEPS, WHOLE = 16.0, 0.1
-"""Largest multiple of the smallest gap, and its tolerance, at which the smallest gap is the step itself. A motion that
-repeats the same values may show that gap only once."""
+"""Largest multiple of the smallest gap, and its tolerance, at which the smallest gap is the step itself. Chosen: a
+motion that repeats the same values may show that gap only once."""
 
 NEXT_LEVEL = 1.6
-"""Gaps below so many times the smallest gap are a single step. Steps of two and a half units of the last decimal are
-written as two and as three units, such as 0.02 and 0.03."""
+"""Gaps below so many times the smallest gap are a single step. Derived: 3/2, and some margin. Steps of two and a half
+units of the last decimal are written as two and as three units, such as 0.02 and 0.03."""
 
 LIMIT_RUN, LIMIT_DPS = 5, 10.0
-"""Least number of successive samples at the largest rate, and least size of this rate, of a gyro at its limit."""
+"""Least number of successive samples at the largest rate, and least size of this rate, of a gyro at its limit. Chosen:
+noise rarely repeats a rate so often, and ranges of gyros are larger."""
 
 
 class LevelSteps(NamedTuple):

@@ -11,15 +11,16 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
 MOST_DPS, MOST_DEG, MOST_S, MOST_MPS2 = 1e6, 1e9, 1e12, 1e6
-"""Largest plausible rate, angle, time and acceleration. The limits are wide, because the unit may be wrong and a
-reference may have turned for years."""
+"""Largest plausible rate, angle, time and acceleration. Chosen: the limits are wide, because the unit may be wrong and
+a reference may have turned for years."""
 
 SHORTEST_S, LONGEST_S = 1e-5, 1.0
-"""Limits of the sample period, a little wider than those of a rig."""
+"""Limits of the sample period, s. Derived: a rig has 1 to 65,535 Hz, and 1e-5 s is a little shorter."""
 
 EVEN_STAMPS = 0.1
-"""Largest standard deviation of a stamp, in sample periods, that still numbers the samples. A missing sample shows from
-a step of 1.6 periods on: at 0.1, with sqrt(2) of it in a step, that is more than four standard deviations away."""
+"""Largest standard deviation of a stamp, in sample periods, that still numbers the samples. Derived: a missing sample
+shows from a step of 1.6 periods on: at 0.1, with sqrt(2) of it in a step, that is more than four standard deviations
+away."""
 
 
 @dataclass(frozen=True, slots=True)

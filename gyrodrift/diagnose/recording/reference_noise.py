@@ -14,7 +14,7 @@ from gyrodrift.diagnose.recording.smoothing import gaussian
 from gyrodrift.values.arrays import Floats
 
 CLIP_SIGMAS = 6.0
-"""Standard deviations at which the noise is clipped. Larger deviations are slips or interpolated gaps."""
+"""Standard deviations at which the noise is clipped. Chosen: larger deviations are slips or interpolated gaps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,30 +15,35 @@ from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 RESTS_S = 1.0
-"""Least time for which the count of a rest is constant."""
+"""Least time for which the count of a rest is constant, s. Chosen: REST_MEAN_S, over which the gyro is averaged."""
 
 REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
 """Tolerance of the gyro at rest, deg/s, to which so many standard deviations of a mean over REST_MEAN_S are added; and
-the window over which all samples must be at rest."""
+the window over which all samples must be at rest. Chosen: a creep of more than a hundredth of a degree per second is no
+rest."""
 
 OUTLIER_SIGMAS = 10.0
 """Difference from the median of five samples, in standard deviations, at which a sample is an outlier and ends no rest.
 
-It is replaced by this median if it moves the mean over REST_MEAN_S by at least REST_DPS.
+It is replaced by this median if it moves the mean over REST_MEAN_S by at least REST_DPS. Chosen: that of an outlier of
+the rate.
 """
 
 LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
 """Least time of a constant count that shows the level of the gyro at rest: so many seconds, and longer than a motion at
-this rate takes through a count. Shorter counts are taken if they last this share of the longest."""
+this rate takes through a count. Shorter counts are taken if they last this share of the longest. Chosen: a faster
+motion leaves its count sooner."""
 
 OPEN_COUNTS = 0.1
-"""Turn at the edge of a rest, in counts, that a motion may make before it is noticed: it changes no result."""
+"""Turn at the edge of a rest, in counts, that a motion may make before it is noticed. Chosen: it changes no result."""
 
 STANDS_MOST_S = 30.0
-"""Longest time for which a count is a single measurement, and shows a single level. The bias may wander meanwhile."""
+"""Longest time for which a count is a single measurement, and shows a single level. Chosen: the bias may wander
+meanwhile."""
 
 LEVEL_RUNS = 2
-"""Number of runs on either side whose median is the level."""
+"""Number of runs on either side whose median is the level. Chosen: a median of five ignores two runs that are no
+rest."""
 
 
 def rest_mask(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float, count_deg: float) -> Mask:

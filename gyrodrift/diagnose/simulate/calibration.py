@@ -28,13 +28,14 @@ from gyrodrift.simulation.sessions import as_recorded
 from gyrodrift.values.arrays import Floats, Mask
 
 NEIGHBORS = 100
-"""Arrivals in a group. The median of a group is subtracted, since a slow wander of the clocks is not jitter."""
+"""Arrivals in a group. The median of a group is subtracted. Chosen: a slow wander of the clocks is not jitter."""
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+"""Quantiles of the arrivals. Chosen: the quartiles, and both ends without rare stalls of the host."""
 
 SKEWED = 0.5
 """Range of arrivals from 5 to 50 %, divided by that from 50 to 95 %, below which the delays count as exponential.
-Exponential delays, as of a scheduler, have 0.28. Waiting for the tick of a bus, and clock noise, have 1."""
+Chosen: exponential delays, as of a scheduler, have 0.28. Waiting for the tick of a bus, and clock noise, have 1."""
 
 
 def host_jitter_s(recording: Recording) -> float | None:
@@ -74,7 +75,7 @@ def _without_wander(recording: Recording) -> Floats:
 
 
 ROUNDS = 3
-"""Simulations in a calibration; every simulation uses the values adjusted after the previous one."""
+"""Simulations in a calibration; every simulation uses the values adjusted after the previous one. Chosen: speed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ from gyrodrift.diagnose.simulate.candidate import Candidate, Need, Touches
 from gyrodrift.values.arrays import Floats
 
 SAME_SIZE = 0.05
-"""Relative difference of two sizes below which an effect counts as equal to the effect in the rig."""
+"""Relative difference of two sizes below which an effect counts as equal to the effect in the rig. Chosen: half a step
+of the sizes."""
 
 
 @dataclass(frozen=True, slots=True)

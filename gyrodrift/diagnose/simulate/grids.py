@@ -9,18 +9,18 @@ from gyrodrift.diagnose.simulate.candidate_kind import Hints, SizeGrid, Variant
 from gyrodrift.values.arrays import Floats
 
 PER_DECADE = 24
-"""Sizes of a fit per decade: a step of 10 %."""
+"""Sizes of a fit per decade. Chosen: a step of 10 %."""
 
 PHASE_STEP_DEG = 30.0
-"""Step of the phases that are tried."""
+"""Step of the phases that are tried. Chosen: an error of half a step takes 3 % of an amplitude."""
 
 PHASES_DEG = tuple(np.arange(0.0, 360.0, PHASE_STEP_DEG).tolist())
 
 INNER = 10.0
-"""Largest size over the simulated size of a linear effect, so that the simulation stays within the range of values."""
+"""Largest size over the simulated size of a linear effect. Chosen: a smaller simulation stays within the range."""
 
 LONGER = 1.3
-"""Ratio of two sizes from which on the larger one gets its own simulation."""
+"""Ratio of two sizes from which on the larger one gets its own simulation. Chosen: about three steps of the sizes."""
 
 Variants = Callable[[Hints], Sequence[Variant]]
 """Function from hints to the variants of a candidate."""

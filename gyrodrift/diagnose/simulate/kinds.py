@@ -20,31 +20,35 @@ from gyrodrift.diagnose.simulate.grids import (
 )
 
 WARMUP_TAUS_S, SLOW_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0), (100.0, 160.0, 260.0)
+"""Time constants of warm-ups, s. Chosen: from seconds of a die to minutes of a package, by factors of about 1.7."""
 
-# Two warm-ups: one exponential; or 35 % with the time constant of the die, and the rest with that of the package, which
-# is five times longer.
 WARMUPS = [
     *({"time_constant_s": tau_s} for tau_s in WARMUP_TAUS_S),
     *({"time_constant_s": tau_s, "fast_share": 0.35, "fast_time_constant_s": tau_s / 5.0} for tau_s in SLOW_TAUS_S),
 ]
+"""Second parameters of `warmup`: one exponential, or two. Chosen: 35 % with the time constant of the die, and the rest
+with that of the package, which is five times longer."""
 
 CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
-"""Second parameters of `temp_bias`: a line, and curves that are 10 % off the line at a distance of 10 °C from 25 °C."""
+"""Second parameters of `temp_bias`: a line, and curves. Chosen: 10 % off the line at a distance of 10 °C from 25 °C."""
 
 MOST_CURVE = 0.5
-"""Bound of `curve_per_c` in the simulator, 1/°C."""
+"""Bound of `curve_per_c`, 1/°C. Derived: that of the effect in the simulator."""
 
 CUTOFFS_HZ, ORDERS = (60.0, 30.0, 15.0, 7.0, 3.0, 1.2, 0.5), (1, 2)
-"""Cutoffs and orders of the low-passes that are simulated."""
+"""Cutoffs and orders of the low-passes that are simulated. Chosen: factors of about two, from above the motion of
+tables to far below it."""
 
 LEAST_SPREAD_PERCENT = 5.0
-"""Minimum spread of ticks that is simulated: for a tick of 50 ms it is as large as usual host jitter."""
+"""Minimum spread of ticks that is simulated. Chosen: for a tick of 50 ms it is as large as usual host jitter."""
 
 LEAST_HANDOVER = 0.06
-"""Minimum distance of samples in a bunch that is simulated, in sample periods: relevance threshold of arrival gaps."""
+"""Minimum distance of samples in a bunch that is simulated, in sample periods. Derived: relevance threshold of arrival
+gaps."""
 
 REALISATIONS = 12
-"""Random draws for each size of an effect whose simulation takes milliseconds."""
+"""Random draws for each size of an effect whose simulation takes milliseconds. Chosen: about fifty in all sessions
+together."""
 
 LAG = "lag"
 """Group of effects and out-of-catalog models that delay the rate."""

@@ -20,7 +20,8 @@ from gyrodrift.diagnose.simulate.kinds import LAG
 from gyrodrift.values.arrays import Floats
 
 WAVES, GRID = 8, 512
-"""Number of cosine waves in a random function, and of grid points between which it is interpolated linearly."""
+"""Number of cosine waves in a random function, and of grid points between which it is interpolated linearly. Chosen:
+accuracy of the kernel."""
 
 WITHIN_FUNCTIONS = frozenset({
     "time", "time_squared", "hinge_low", "hinge_high", "total_angle", "temperature_squared",
@@ -29,10 +30,11 @@ WITHIN_FUNCTIONS = frozenset({
 """Regressors that are special cases of the random functions, so they need no model of their own."""
 
 ORDERS = (2, 3, 4, 5, 6, 7, 8)
-"""Periods per turn of a random function of the angle. One period per turn is an effect of the catalog."""
+"""Periods per turn of a random function of the angle. Chosen: one period per turn is an effect of the catalog."""
 
 MEMORY_S = 0.2
-"""Time constant of correlated noise, s: between white noise and a wandering bias. It is white in means of a second."""
+"""Time constant of correlated noise, s. Chosen: between white noise and a wandering bias. It is white in means of a
+second."""
 
 
 def out_of_catalogue() -> Iterator[Candidate]:

@@ -16,14 +16,15 @@ from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.values.arrays import Floats
 
 SIMULATED_RUNS = 2
-"""Runs of a motion that are simulated, so that the chance of a single one halves its variance."""
+"""Runs of a motion that are simulated. Chosen: two halve the variance by chance of a single run."""
 
 SAME_NOISE, SAME_PERIOD = 1.25, 1.01
-"""Ratios up to which noise and period agree: 0.22 in ln is the relevance threshold of an amplitude of noise, and 1 %
-of the period is that of the clocks of gyros."""
+"""Ratios up to which noise and period agree. Derived: 0.22 in ln is the relevance threshold of an amplitude of noise,
+and 1 % of the period is that of the clocks of gyros."""
 
 SAME_TEMPERATURE_C = 3.0
-"""Difference of temperatures, °C, that changes no response: the shortest length of a random function of temperature."""
+"""Difference of temperatures, °C, that changes no response. Derived: the shortest length of a random function of
+temperature."""
 
 SAME_RATE, SAME_LENGTH = 0.1, 1.02
 """RMS difference of the rates, as a share of the RMS rate, and ratio of the lengths, up to which a motion is the same.

@@ -9,7 +9,8 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats
 
 ENOUGH = 8
-"""Number of realizations from which on a session has its own mean and covariance; fewer are pooled over sessions."""
+"""Number of realizations from which on a session has its own mean and covariance. Chosen: fewer say little of a
+covariance, and are pooled over sessions."""
 
 
 class Sized(NamedTuple):

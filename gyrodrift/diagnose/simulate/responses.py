@@ -19,14 +19,15 @@ from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 from gyrodrift.values.arrays import Floats
 
 NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
-"""Null runs of all sessions together; and the minimum and maximum per session."""
+"""Null runs of all sessions together; and the minimum and maximum per session. Chosen: speed."""
 
 FIRST_NULL_SEED = 1000
+"""First seed of the null runs. Chosen: far from those of base runs and realizations, which begin at 0."""
 
 REALISATIONS_PER_NULL_RUN, NULL_RUNS_OF_FEW = 2, 8
-"""Maximum number of realizations of a random candidate, per null run of a session: for a few sessions about fifty in
-all sessions together. The realizations of a candidate with less than ENOUGH are pooled. Up to three sessions, which
-have so many null runs, each have them all; more sessions have about as many together."""
+"""Maximum number of realizations of a random candidate, per null run of a session. Chosen: for a few sessions about
+fifty in all sessions together. The realizations of a candidate with less than ENOUGH are pooled. Up to three sessions,
+which have so many null runs, each have them all; more sessions have about as many together."""
 
 
 def null_runs_of(sessions: int) -> int:

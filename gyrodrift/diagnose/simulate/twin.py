@@ -55,7 +55,8 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
 SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
-"""Keys of the random streams for added shapes, motions, arrivals and reference noise; effects have streams by name."""
+"""Keys of the random streams for added shapes, motions, arrivals and reference noise; effects have streams by name.
+Chosen: any four different numbers."""
 
 
 @dataclass(frozen=True, slots=True)
