@@ -14,7 +14,7 @@ REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
 motion at most, and 40 deg/s is a turn in 9 s."""
 
 REST_EDGE_S = 0.6
-"""A sample is at rest if rate and shaking stay below REST_DPS for this time before and after it, s. Derived: 4
+"""A sample is at rest if rate and shaking stay below REST_DPS for this time before and after it, s. Chosen: 4
 MASK_SMOOTH_S, the reach of the Gaussian."""
 
 QUICK_DPS, STEADY_DPS = 1.0, 0.05

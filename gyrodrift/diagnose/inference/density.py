@@ -33,8 +33,8 @@ UNKNOWN_IN_GROUP = 0.005
 """Prior probability that an unknown effect moves features of one group. Chosen: 18 groups give 9 % together."""
 
 UNKNOWN_BROAD, BROAD_IN_GROUP = 0.01, 0.3
-"""Prior probability of an unknown effect that moves many groups, and of each group then. Chosen: rarer than an effect
-on one group, and it moves about a third of the groups."""
+"""Prior probability of an unknown effect that moves many groups, and of each group then. Chosen: rarer than
+effects on single groups, 9 % together, and it moves about a third of the groups."""
 
 MOVED = 1e-3
 """Change in standard deviations below which a template does not change a feature. Chosen: numerical, since no density
