@@ -42,6 +42,10 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
     yield Site(folder)
     for path in folder.glob("*.py"):
         sys.modules.pop(path.stem, None)
+    for module, _, name in (place.partition(":") for place in REGISTRIES.values()):
+        loaded = getattr(sys.modules[module], name)._loaded
+        for entry in [entry for entry in loaded if entry.folder == str(folder)]:
+            del loaded[entry]
 
 
 def a_registry(what: str = "thing") -> PlugIns[object]:
