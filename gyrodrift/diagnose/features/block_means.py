@@ -9,17 +9,19 @@ from gyrodrift.values.arrays import Floats, Mask
 
 LEAST_DPS = 2e-3
 """Scatter of block means of 1 s, deg/s, that every encoder has. It is added to every spread, so that ratios of spreads
-stay finite."""
+stay finite. Chosen: an encoder with steps of 0.005 degrees scatters by as much."""
 
 EDGE_S = 0.5
-"""Width of the window, s, in which the angle at an edge of a block is averaged."""
+"""Width of the window, s, in which the angle at an edge of a block is averaged. Chosen: half a block; the angle then
+passes many counts, whose rounding averages out."""
 
 SHORT_BLOCK = 16
-"""Samples in a block below which numpy's mean takes ten times as long as a product."""
+"""Samples in a block below which numpy's mean takes several times as long as a product. Measured: with numpy 2.4, 3 to
+7 times for blocks of 2 to 16 samples."""
 
 OUTLIER_LIMIT = 30.0
 """Upper limit of a square in a mean of squares, as a multiple of their median: 3.7 standard deviations of normal
-numbers."""
+numbers. Chosen: 1 of 4500 normal numbers lies beyond."""
 
 
 def block_means(values: Floats, length: int) -> Floats:

@@ -12,7 +12,8 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import NORMAL_MAD
 
 HOLD_SIGMAS = 4.0
-"""Limit of residuals, in standard deviations, so that a single outlier does not count as a step of the bias."""
+"""Limit of residuals, in standard deviations, so that a single outlier does not count as a step of the bias. Chosen: 1
+of 16,000 normal residuals lies beyond."""
 
 
 @dataclass(frozen=True, slots=True)

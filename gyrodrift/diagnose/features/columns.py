@@ -15,7 +15,7 @@ from gyrodrift.values.arrays import Floats
 Columns = tuple[DesignColumn, ...]
 
 HINGES_DPS = (60.0, 120.0)
-"""Rates above which the gain may differ, deg/s."""
+"""Rates above which the gain may differ, deg/s. Chosen: two rates within fast motion, an octave apart."""
 
 
 def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
@@ -101,7 +101,8 @@ ANGLE_COLUMNS: Columns = (
 
 
 DECAYS_S = (40.0, 160.0)
-"""Time constants of a fast and a slow decay of the bias after power-on, s."""
+"""Time constants of a fast and a slow decay of the bias after power-on, s. Chosen: one within the first minute, and one
+over minutes."""
 
 # fmt: off
 DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
@@ -141,7 +142,8 @@ DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
 
 
 WARMING_BLOCKS = 20
-"""Blocks in a mean; differences of successive means of the bias are compared with those of the temperature."""
+"""Blocks in a mean; differences of successive means of the bias are compared with those of the temperature. Chosen:
+noise averages out, and a warm-up is longer."""
 
 # fmt: off
 WARMING = Feature(
@@ -165,7 +167,7 @@ def warming_coefficient(bias_dps: Floats, basis: Basis) -> Floats:
 
 
 MEMORY_S = 10.0
-"""Time constant of the recovery after a reversal, s."""
+"""Time constant of the recovery after a reversal, s. Chosen: longer than a block, shorter than a minute."""
 
 # fmt: off
 HISTORY_COLUMNS: tuple[DesignColumn, ...] = (

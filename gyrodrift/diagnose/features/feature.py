@@ -10,7 +10,8 @@ import numpy as np
 from gyrodrift.values.arrays import Floats
 
 LARGEST_EXPONENT = 50.0
-"""Limit of exponents, so that numbers in a report stay finite."""
+"""Limit of exponents, so that numbers in a report stay finite. Chosen: e⁵⁰ is 5e21, beyond every ratio that means
+something."""
 
 
 class FeatureReading(NamedTuple):

@@ -10,9 +10,10 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.values.arrays import Floats
 
 RADIANS = np.pi / 180.0
+"""Radians in a degree. By definition."""
 
 TURN_DPS = 1.0
-"""Rate above which the motion has a direction, deg/s."""
+"""Rate above which the motion has a direction, deg/s. Chosen: between rest and slow motion, `features/regimes.py`."""
 
 
 @dataclass(frozen=True, slots=True)

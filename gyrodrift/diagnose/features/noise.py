@@ -23,19 +23,22 @@ from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats, Mask
 
 TAIL_SIGMAS = 5.0
-"""Standard deviations from which on a second difference counts as an outlier."""
+"""Standard deviations from which on a second difference counts as an outlier. Chosen: 1 of 1.7 million normal values
+lies beyond."""
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """The fractional parts of its multiples are uniform for any number of multiples."""
 
 LEAST_SPIKES_DPS = 0.05
-"""RMS of outliers that is negligible: the noise of a sample of a usual gyro."""
+"""RMS of outliers that is negligible. Chosen: the noise of a sample of a usual gyro."""
 
 LEAST_SAMPLES, FEW_SECONDS = 25, 20
-"""Minimum number of samples in a window, and of windows without motion, for a search for bursts."""
+"""Minimum number of samples in a window, and of windows without motion, for a search for bursts. Chosen: mean squares
+of fewer samples scatter too much, and two of 20 windows lie beyond the 90 % quantile."""
 
 MIDDLE = (2, 3)
-"""Indices in REST_LENGTHS of means of 4 and 8 samples: their mean log variance is the reference for all lengths."""
+"""Indices in REST_LENGTHS of means of 4 and 8 samples: their mean log variance is the reference for all lengths.
+Chosen: `WHITE_LENGTHS` of spectral lines."""
 
 
 @dataclass(frozen=True, slots=True)

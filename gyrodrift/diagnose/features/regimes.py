@@ -10,16 +10,20 @@ from gyrodrift.diagnose.recording.smoothing import gaussian
 from gyrodrift.values.arrays import Floats, Mask
 
 REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
-"""Upper limit of the rate at rest; lower limits of slow and of fast motion, deg/s."""
+"""Upper limit of the rate at rest; lower limits of slow and of fast motion, deg/s. Chosen: rest is a quarter of slow
+motion at most, and 40 deg/s is a turn in 9 s."""
 
 REST_EDGE_S = 0.6
-"""A sample is at rest if rate and shaking stay below REST_DPS for this time before and after it, s."""
+"""A sample is at rest if rate and shaking stay below REST_DPS for this time before and after it, s. Chosen: 4
+MASK_SMOOTH_S, the reach of the Gaussian."""
 
 QUICK_DPS, STEADY_DPS = 1.0, 0.05
-"""Changes of the smoothed rate from sample to sample, deg/s: a quick one is above noise, a steady one almost 0."""
+"""Changes of the smoothed rate from sample to sample, deg/s. Chosen: a quick one is above noise, a steady one almost
+0."""
 
 MASK_SMOOTH_S = 0.15
-"""Standard deviation of the Gaussian that smooths the rate, s."""
+"""Standard deviation of the Gaussian that smooths the rate, s. Chosen: noise averages out, and starts and stops are
+still distinct."""
 
 
 @dataclass(frozen=True, slots=True)

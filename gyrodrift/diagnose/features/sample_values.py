@@ -19,16 +19,17 @@ from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
 from gyrodrift.values.arrays import Floats, Mask
 
 NEAR_ZERO_DPS = 3.0
-"""Rates below this limit, deg/s, are dense enough to show their steps."""
+"""Rates below this limit, deg/s, show their steps. Chosen: near 0 they are dense enough."""
 
 LEAK = 3
-"""Rank of the rate that counts as the smallest: two smaller ones may be chance."""
+"""Rank of the rate that counts as the smallest. Chosen: two smaller ones may be chance."""
 
 LEAST_SLIP_DEG = 0.2
-"""Negligible jump of the angle per minute, deg; a little less than NEGLIGIBLE_DEG of yaw."""
+"""Negligible jump of the angle per minute, deg. Chosen: a little less than NEGLIGIBLE_DEG of yaw."""
 
 REACH_DPS = 1.0
-"""Added to the largest rates of gyro and encoder, deg/s, so that their ratio is 1 in a recording with little motion."""
+"""Added to the largest rates of gyro and encoder, deg/s, so that their ratio is 1 in a recording with little motion.
+Chosen: far above the noise of rest, far below the range of a gyro."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,25 +12,31 @@ from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats, Mask
 
 WINDOW = 256
-"""Samples in the window of a spectrum."""
+"""Samples in the window of a spectrum. Chosen: a power of two that fits into rests of a few seconds."""
 
 FEW_WINDOWS = 8
-"""Minimum number of windows at rest. With fewer, a line is also searched in motion, and differences give the noise."""
+"""Minimum number of windows at rest. With fewer, a line is also searched in motion, and differences give the noise.
+Chosen: medians of fewer spectra scatter too much."""
 
 LINE_NEIGHBORS = 31
-"""Number of frequencies around a line whose median is the level of the noise."""
+"""Number of frequencies around a line whose median is the level of the noise. Chosen: a quarter of all frequencies, so
+that a line does not move the median."""
 
 LOWEST = 3
-"""Index of the lowest frequency of a line. Lower frequencies contain the leakage of slow changes."""
+"""Index of the lowest frequency of a line. Lower frequencies contain the leakage of slow changes. Derived: the main
+lobe of a Hann window reaches two frequencies."""
 
 WHITE_BAND = (0.02, 0.12)
-"""Band of the white noise, as shares of the sample rate: above the 1/f noise, and below the cutoff of most filters."""
+"""Band of the white noise, as shares of the sample rate. Chosen: above the 1/f noise, and below the cutoff of most
+filters."""
 
 LEAST_POWER = 1e-6
-"""Power of a window with noise of 1e-4 deg/s, added to the level, so that a ratio to zero noise stays finite."""
+"""Power of a window with noise of 1e-4 deg/s, added to the level, so that a ratio to zero noise stays finite. Derived:
+1e-4² · 96, the sum of the squared window. Chosen: 1e-4 deg/s, far below the noise of a gyro."""
 
 WHITE_LENGTHS = (4, 8)
-"""Lengths of the means whose scatter gives the white noise if there are too few windows at rest."""
+"""Lengths of the means whose scatter gives the white noise if there are too few windows at rest. Chosen: above the
+memory of most filters, and below the 1/f noise."""
 
 
 class SpectralLine(NamedTuple):

@@ -20,14 +20,16 @@ from gyrodrift.diagnose.recording.recording import Recording, fit_line
 from gyrodrift.values.arrays import Floats, Mask
 
 SLOW_S = 10.0
-"""Length of the windows, s, whose medians show the wander of a clock without its scatter."""
+"""Length of the windows, s, whose medians show the wander of a clock without its scatter. Chosen: many samples for a
+median, and many windows in a session."""
 
 LEAST_STAMP_S, LEAST_SLOW_S = 3e-5, 5e-4
-"""Added before a logarithm: a scatter of 0.03 ms and a wander of 0.5 ms are practically negligible. At 100 Hz they are
-0.3 % and 5 % of a sample period."""
+"""Added before a logarithm. Chosen: a scatter of 0.03 ms and a wander of 0.5 ms are practically negligible. At 100 Hz
+they are 0.3 % and 5 % of a sample period."""
 
 TAIL_SIGMAS = 8.0
-"""Standard deviations from which on a second difference of stamps counts as an outlier."""
+"""Standard deviations from which on a second difference of stamps counts as an outlier. Chosen: far beyond usual
+jitter, whose tails are longer than normal ones."""
 
 BEND_SIGMAS = np.sqrt(6.0)
 """Standard deviation of second differences of white noise, divided by its own."""
@@ -125,10 +127,12 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
 
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
-"""Quantiles of the gaps between arrivals that are features. Bunches make many gaps of 0, and some long gaps."""
+"""Quantiles of the gaps between arrivals that are features. Chosen: middle and tails, since bunches make many gaps of
+0, and some long gaps."""
 
 NEIGHBORS = 100
-"""Arrivals in a group, whose mean is subtracted before the scatter is computed."""
+"""Arrivals in a group, whose mean is subtracted before the scatter is computed. Chosen: many for a mean, and a clock
+hardly wanders within them."""
 
 
 @dataclass(frozen=True, slots=True)

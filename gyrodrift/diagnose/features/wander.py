@@ -17,13 +17,15 @@ from gyrodrift.values.arrays import Floats
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
 WALK_MEANS = (5, 20, 60, 120)
-"""Blocks in the means whose successive differences are features, for residuals and for the bias."""
+"""Blocks in the means whose successive differences are features, for residuals and for the bias. Chosen: about even on
+a logarithmic scale, from seconds to minutes."""
 
 EIGHTH = (0.25, "0.25 in ln of a variance: an eighth of the amplitude")
-"""Relevance threshold of the logarithm of a variance, and its meaning."""
+"""Relevance threshold of the logarithm of a variance, and its meaning. Chosen: the yaw by a wandering bias then changes
+by an eighth."""
 
 STEP_EDGE = 8
-"""Blocks at either end in which no step is searched."""
+"""Blocks at either end in which no step is searched. Chosen: a level of fewer blocks is too uncertain."""
 
 
 def _wander(count: int) -> Statistic[BlockResiduals]:

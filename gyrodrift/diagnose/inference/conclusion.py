@@ -55,7 +55,7 @@ def _may_be(hypothesis: WeightedSet, kind: CandidateKind) -> bool:
 
 
 CREDIBLE = (0.025, 0.5, 0.975)
-"""Quantiles: a central interval that holds the true size in 95 % of cases, and the median."""
+"""Quantiles: a central interval that holds the true size in 95 % of cases, and the median. Chosen: the convention."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,10 +125,12 @@ def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> li
 
 
 NAMED = 0.5
-"""Probability from which on a cause is named: that the effect acts, or an effect tied with it."""
+"""Probability from which on a cause is named: that the effect acts, or an effect tied with it. Chosen: it is rather
+present than absent."""
 
 FORM = 0.2
-"""Probability of an out-of-catalog form from which on its feature is listed first among the deviations."""
+"""Probability of an out-of-catalog form from which on its feature is listed first among the deviations. Chosen: less
+than for a name, since it is a hint only."""
 
 GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
 """Groups of features that an unknown effect moves together: those of one stage in one regime of the motion."""
@@ -142,10 +144,11 @@ Simulate = Callable[[Sequence[Sized]], SimulatedSet]
 """Simulator: from a set of effects with sizes to the change of the features."""
 
 SIMULATED = 0.05
-"""Probability from which on a set is simulated as a whole."""
+"""Probability from which on a set is simulated as a whole. Chosen: for speed; rarer sets hardly change a verdict."""
 
 ROUNDS, AT_ONCE, REFITTED = 5, 2, 12
-"""Rounds in which sets are simulated as a whole, sets in a round, and sets that are fitted again after a round."""
+"""Rounds in which sets are simulated as a whole, sets in a round, and sets that are fitted again after a round. Chosen:
+for speed."""
 
 
 class Conclusion(NamedTuple):
@@ -394,4 +397,4 @@ def probable_range(
 
 
 ROUNDING = 1e-9
-"""Error of a sum of probabilities."""
+"""Error of a sum of probabilities. Chosen: above the rounding of doubles, and far below a probability that matters."""

@@ -17,10 +17,11 @@ from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.values.arrays import Floats
 
 SURE = 0.9
-"""Share of the recordings with an effect that show it."""
+"""Share of the recordings with an effect that show it. Chosen: nine of ten, by convention."""
 
 NINE_IN_TEN = 1.2816
-"""Standard normal deviate below which one of ten recordings lies."""
+"""Standard normal deviate beyond which one of ten recordings lies. Derived: the 0.9 quantile of the normal
+distribution."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,13 +19,16 @@ from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers
 
 MOST_FACTORS = 10
-"""Number of principal directions of the realizations; the rest of the variance counts as scatter."""
+"""Number of principal directions of the realizations; the rest of the variance counts as scatter. Chosen: nearly all
+directions that 12 realizations of a session have."""
 
 LEAST_MOVED = 1e-6
-"""Variance below which factors do not change a feature, in units of the variance without a gap."""
+"""Variance below which factors do not change a feature, in units of the variance without a gap. Chosen: numerical, far
+below 1."""
 
 REWEIGHTED = 3
-"""Number of solutions of equation (5); each uses the weights of the solution before."""
+"""Number of solutions of equation (5); each uses the weights of the solution before. Chosen: a fixed number, for
+speed."""
 
 
 class Covariance(NamedTuple):

@@ -23,7 +23,7 @@ from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.values.arrays import Floats
 
 WORST_Z = 20.0
-"""Limit of a z in sums: a z of hundreds says no more than a z of twenty."""
+"""Limit of a z in sums. Chosen: a z of hundreds says no more than a z of twenty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +70,11 @@ def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
 
 
 SEED = 0
+"""Seed of the bootstrap. Chosen: any, so that results repeat."""
+
 NO_GAP = 1.05
-"""Ratio of gap and floor up to which there is no gap to close."""
+"""Ratio of gap and floor up to which there is no gap to close. Chosen: a smaller difference is too small to divide
+by."""
 
 CLOSED = 0.85
 """Share of the gap from which on it counts as closed. Chosen, not measured."""
@@ -152,7 +155,8 @@ def remaining_squares(evidence: Evidence, held_out: HeldOut) -> Floats:
 
 
 SPREADS = 0.01
-"""Variance by random causes, in variances of chance, from which on a feature is compared as a distribution."""
+"""Variance by random causes, in variances of chance, from which on a feature is compared as a distribution. Chosen:
+less is negligible beside chance."""
 
 
 def distribution_squares(z: Floats, variance: Floats) -> Floats:

@@ -9,13 +9,13 @@ from gyrodrift.diagnose.inference.scorer import EffectSet
 from gyrodrift.diagnose.inference.sets import fitted
 
 LEAST_SESSIONS = 4
-"""Sessions from which on each half has two: a size of a single session is not checked by another."""
+"""Sessions from which on each half has two. Derived: a size of a single session is not checked by another."""
 
 SETS = 8
-"""Most probable sets that are fitted again: together with no effect they hold nearly all of the posterior."""
+"""Most probable sets that are fitted again. Chosen: together with no effect they hold nearly all of the posterior."""
 
 NAMED = 0.5
-"""Probability from which on a half names an effect, as for the whole."""
+"""Probability from which on a half names an effect. Chosen: `NAMED` of the whole."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,8 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats, Integers
 
 LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
-"""Largest logarithm that is taken as a variance, and the least variance of a sum: neither overflows nor becomes 0."""
+"""Largest logarithm that is taken as a variance, and the least variance of a sum. Chosen: neither overflows nor becomes
+0."""
 
 LOGARITHMS = np.flatnonzero(IS_LOG)
 """Indices of features that are logarithms of variances."""

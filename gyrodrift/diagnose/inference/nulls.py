@@ -10,7 +10,8 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.values.arrays import Floats
 
 PRIOR_RUNS = 2.0
-"""Weight of the prior assumption of independent sessions, in null runs."""
+"""Weight of the prior assumption of independent sessions, in null runs. Chosen: less than the 4 null runs that each
+session has at least."""
 
 
 class PooledNulls(NamedTuple):

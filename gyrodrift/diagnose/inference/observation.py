@@ -11,10 +11,11 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.values.arrays import Floats, Mask
 
 SHARED_RELEVANCE = 0.5
-"""Share of the relevance variance that all sessions have in common: the same small error of the rig in each."""
+"""Share of the relevance variance that all sessions have in common. Chosen: half, since the rig has the same small
+error of the rig in each."""
 
 LEAST_VARIANCE = 0.05
-"""Least variance of a feature in its own unit: a few null runs do not determine less."""
+"""Least variance of a feature in its own unit. Chosen: a few null runs do not determine less."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,8 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.values.arrays import Floats
 
 REACH = 8
-"""Points on either side of the best point over which a size is summed: a third of a decade, longer than a ridge."""
+"""Points on either side of the best point over which a size is summed. Chosen: a third of a decade, longer than a
+ridge."""
 
 
 class Pair(NamedTuple):

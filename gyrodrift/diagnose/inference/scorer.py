@@ -32,13 +32,14 @@ effect has 0.4. Chosen, not measured."""
 
 SCATTER = {USUAL: 2.0, RESEMBLING: 4.0}
 """Factor of the variance of a random effect by the error of its form, otherwise 1. A device scatters more than the
-simulated process: 1/f noise as others simulate it needs about 2."""
+simulated process. Measured: 1/f noise as others simulate it needs about 2. Chosen: 4, twice that."""
 
 ONE_POINT = 1.0
-"""Logarithm of the number of points that hold most of the evidence of an effect, used before its points are summed."""
+"""Logarithm of the number of points that hold most of the evidence of an effect, used before its points are summed.
+Chosen: an estimate, about three points."""
 
 TINY = 1e-30
-"""Least square in a division."""
+"""Least square in a division. Chosen: far below every square that counts."""
 
 
 class Placed(NamedTuple):

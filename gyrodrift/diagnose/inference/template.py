@@ -19,13 +19,13 @@ from gyrodrift.values.arrays import Floats, Integers
 
 NOTICEABLE = 2.0
 """Least norm of the change over all features, in standard deviations, of a size that counts as an effect. Smaller sizes
-belong to the hypothesis without the effect."""
+belong to the hypothesis without the effect. Chosen: two standard deviations hardly differ from chance."""
 
 COARSE_STEP = 4
-"""The search tries every fourth size first, then the sizes next to the best."""
+"""The search tries every fourth size first, then the sizes next to the best. Chosen: for speed."""
 
 FINER = 8
-"""Points into which an interval of sizes is divided about the best size."""
+"""Points into which an interval of sizes is divided about the best size. Chosen: for accuracy, steps of 1.2 %."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

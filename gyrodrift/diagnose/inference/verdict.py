@@ -14,11 +14,13 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import Sized
 
 NEGLIGIBLE_DEG = 0.3
-"""Mean absolute yaw in a session below which a small effect is negligible."""
+"""Mean absolute yaw in a session below which a small effect is negligible. Chosen: small beside the yaw error of a
+usual session."""
 
 ADOPTED_FROM = 0.5
-"""Probability from which on a cause goes into the rig that is written: it, or an effect that reads like it, is more
-probable than not. Ties change these recordings alike, so the first of them corrects the simulator for such motion."""
+"""Probability from which on a cause goes into the rig that is written. Chosen: it, or an effect that reads like it, is
+more probable than not. Ties change these recordings alike, so the first of them corrects the simulator for such
+motion."""
 
 OPEN_FROM = 0.15
 """Probability of something unknown from which on a question is open. Chosen: the share of the gap that may stay open,

@@ -38,10 +38,10 @@ from gyrodrift.values.arrays import Floats
 
 SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
 """Numbers of realizations of a motion: in each round of screening, among the best pairs, for the prediction, and for
-the recorded motion in comparison."""
+the recorded motion in comparison. Chosen: for speed, with most for the prediction, since it is reported."""
 
 NEARLY_ALL = 0.99
-"""Share of the entropy of the hypotheses. A motion with more information than this answers the question."""
+"""Share of the entropy of the hypotheses. Chosen: a motion with more information than this answers the question."""
 
 
 @dataclass(frozen=True, slots=True)

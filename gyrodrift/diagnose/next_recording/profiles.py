@@ -9,13 +9,14 @@ from firmware_sim.motion.segments import Rest
 from gyrodrift.diagnose.next_recording.maneuvers import Maneuver, MotionLimits
 
 STILL_S = 5.0
-"""Rest after power-on, with which each profile begins."""
+"""Rest after power-on, with which each profile begins. Chosen: several blocks of a second show the bias."""
 
 LEAST_MINUTES = 1.0
-"""Least length of a recording: slow effects need as long to show."""
+"""Least length of a recording. Chosen: slow effects need as long to show."""
 
 AIR_C, WARMER_C, WARMS_C_PER_S = 25.0, 12.0, 10.0 / 60.0
-"""Temperature of the air, the most that it warms, and its slope. A hair dryer or a box with a lamp warms as quickly."""
+"""Temperature of the air, the most that it warms, and its slope. Chosen: a hair dryer or a box with a lamp warms as
+quickly."""
 
 
 def profile_of(maneuvers: Sequence[Maneuver], minutes: float, limits: MotionLimits) -> Profile:

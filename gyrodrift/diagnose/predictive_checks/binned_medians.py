@@ -9,13 +9,13 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import NORMAL_MAD
 
 LEAST = 5
-"""Least points in a bin: the median of fewer is chance."""
+"""Least points in a bin. Chosen: the median of fewer is chance."""
 
 SHARE = 1.0 / 24.0
-"""Share of all points: a bin with more than twice this share is halved."""
+"""Share of all points; a bin with more than twice this share is halved. Chosen: enough bins to show a curve."""
 
 FINEST = 1.0 / 64.0
-"""Smallest width of a bin as a share of the range of x."""
+"""Smallest width of a bin as a share of the range of x. Chosen: about the width of a dot in a chart."""
 
 
 class Medians(NamedTuple):

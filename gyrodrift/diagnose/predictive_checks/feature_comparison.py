@@ -13,7 +13,7 @@ from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.values.arrays import Floats
 
 BAND = 2.0
-"""Half width of a band in standard deviations: by chance, 19 of 20 values lie within."""
+"""Half width of a band in standard deviations. Chosen: by chance, 19 of 20 values lie within."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,13 +29,14 @@ REAL, BEFORE, AFTER, RESIDUAL = "ink", "plain", "tuned", "two"
 """Colors, which are the keys of the legend, too."""
 
 DOTS = 350
-"""Largest number of dots in a scatter plot."""
+"""Largest number of dots in a scatter plot. Chosen: more would hide each other and make the page larger."""
 
 SHOWN = (2.0, 98.0)
-"""Percentiles of the values of a scatter plot that its scale includes."""
+"""Percentiles of the values of a scatter plot that its scale includes. Chosen: a few outliers should not flatten the
+rest."""
 
 LEAST_DPS = 0.01
-"""Least range of a scale on either side of 0, deg/s: smaller errors should look small."""
+"""Least range of a scale on either side of 0, deg/s. Chosen: smaller errors should look small."""
 
 UNITS = {
     "times its middle": "variance, over that of 4- to 8-sample means at rest",
@@ -51,22 +52,23 @@ UNITS = {
 """Titles of axes, by the unit of a feature, for units that say too little."""
 
 SMOOTH_SECONDS = 5
-"""Length of the running medians of rate errors over time."""
+"""Length of the running medians of rate errors over time. Chosen: single outliers go, and steps remain."""
 
 WIDE_BAR, NARROW_BAR = 0.64, 0.36
-"""Widths of the bars of the simulator as it is and corrected, in sessions."""
+"""Widths of the bars of the simulator as it is and corrected, in sessions. Chosen: both are visible one above the
+other."""
 
 ERRORS = 2.0
-"""Standard errors of a median that its band spans on either side."""
+"""Standard errors of a median that its band spans on either side. Chosen: by chance, 19 of 20 medians lie within."""
 
 FEW = 4
-"""Least number of medians that are joined by a line: a line through fewer looks like a slope."""
+"""Least number of medians that are joined by a line. Chosen: a line through fewer looks like a slope."""
 
 DECADE = 10.0
-"""Least ratio of the ends of the scale of a spectrum: white noise should look level in spite of its scatter."""
+"""Least ratio of the ends of the scale of a spectrum. Chosen: white noise should look level in spite of its scatter."""
 
 TWO_PARTS_PX = 290
-"""Height of a chart of the error above and the residual below."""
+"""Height of a chart of the error above and the residual below. Chosen: each part is readable."""
 
 
 def feature_chart(compared: FeatureComparison, *, has_causes: bool) -> Chart:

@@ -10,7 +10,7 @@ from gyrodrift.report.numbers import significant
 Values = Mapping[str, float]
 
 DIGITS = 2
-"""Digits of a size in a headline."""
+"""Digits of a size in a headline. Chosen: a headline is read at a glance."""
 
 
 def _size(value: float) -> str:

@@ -16,7 +16,8 @@ from gyrodrift.io.files import write_whole
 from gyrodrift.report.numbers import significant, write_json
 
 SHOWN = 3
-"""Largest number of causes, of negligible effects and of deviations in the summary."""
+"""Largest number of causes, of negligible effects and of deviations in the summary. Chosen: a summary fits on a
+screen."""
 
 PROFILE = "next-profile.yaml"
 

@@ -12,17 +12,17 @@ from gyrodrift.report.page import Section, marked, titled
 from gyrodrift.values.words import counted
 
 NAMED = 3
-"""Largest number of dependences in the introduction."""
+"""Largest number of dependences in the introduction. Chosen: more make a sentence hard to read."""
 
 RATE = "rate"
 """Name of the regressor of the figure at the top of the page."""
 
 NEGLIGIBLE_DPS = 2e-3
-"""RMS below which a dependence is practically negligible, deg/s: the relevance threshold of a bias that depends on
-angle or direction, `features/columns.py`."""
+"""RMS below which a dependence is practically negligible, deg/s. Derived: the relevance threshold of a bias that
+depends on angle or direction, `features/columns.py`."""
 
 MOST_CHANGE_POINTS = 4
-"""Largest number of change points that are listed for a session."""
+"""Largest number of change points that are listed for a session. Chosen: they fit on a line."""
 
 
 def residuals(diagnosis: Diagnosis) -> Section:

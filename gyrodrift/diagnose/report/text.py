@@ -18,7 +18,7 @@ FREE_PHASE = "different in each session"
 """Phase of a once-per-turn effect if the encoder is zeroed at power-on."""
 
 SURELY = 0.995
-"""Probability from which on a probability would round to 1.00."""
+"""Probability from which on a probability would round to 1.00. Derived: half of the last of two decimals below 1."""
 
 ENDINGS = {
     "%": ("percent",),
