@@ -1,6 +1,7 @@
 """Imports between packages, circles of files, and the first line of each file."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections import defaultdict
@@ -200,3 +201,37 @@ def test_outputs_of_the_command_line_take_no_parser_of_configs() -> None:
     code = "import sys; from gyrodrift.config.outputs import output_of; output_of('web:port=0'); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"pydantic", "yaml", "importlib.metadata"} & set(done.stdout.split())
+
+
+SOURCE = re.compile(
+    r"Chosen|Measured|Derived|Cited|[Dd]ata sheet|as in |as above|IEEE|RFC|"
+    r"\b(19|20)\d\d\b|[Bb]y definition|public interface"
+)
+"""Words of a docstring that say where a number comes from."""
+
+
+def numbers_without_source(path: Path) -> list[str]:
+    """Constants of a file that are numbers, and whose docstring does not say where they come from."""
+    body, unsaid = ast.parse(path.read_text()).body, []
+    for i, node in enumerate(body):
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        names = [item.id for target in targets for item in ast.walk(target) if isinstance(item, ast.Name)]
+        values = list(ast.walk(node.value)) if isinstance(node, ast.Assign) else []
+        is_number = any(isinstance(v, ast.Constant) and type(v.value) in (int, float) for v in values)
+        if not (is_number and names and all(name.isupper() for name in names)):
+            continue
+        if any(isinstance(value, ast.Call | ast.JoinedStr) for value in values):
+            continue
+        following = (later for later in body[i + 1 :] if not isinstance(later, ast.Assign | ast.AnnAssign))
+        said = next(following, None)
+        is_text = isinstance(said, ast.Expr) and isinstance(said.value, ast.Constant)
+        if not (is_text and SOURCE.search(str(said.value.value))):  # type: ignore[union-attr]
+            unsaid.append(f"{name_of(path)}: {', '.join(names)}")
+    return unsaid
+
+
+@pytest.mark.parametrize("package", ["filters", "diagnose"])
+def test_each_number_has_a_source(package: str) -> None:
+    """Cited, derived, measured, or chosen for a reason."""
+    paths = [path for path in MODULES if path.is_relative_to(ROOT / "gyrodrift" / package)]
+    assert [line for path in paths for line in numbers_without_source(path)] == []
