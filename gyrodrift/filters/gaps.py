@@ -11,6 +11,7 @@ variance too. More than a whole circle is not known less: the variance stays at 
 
 from dataclasses import dataclass
 from math import exp
+from typing import Any
 
 LONGEST_STEP_S = 0.3
 """Longest step that is no gap at any sample rate, s. Chosen: a device turns evenly for a few tenths of a second."""
@@ -110,3 +111,18 @@ def expect_gap(watch: GapWatch, seconds: float, *, has_restarted: bool) -> None:
     """Take the next step as a gap of some seconds, whatever the times are; or as a restart, with any time."""
     watch.longest_step_s, watch.told_s = 0.0, max(watch.told_s, seconds)
     watch.has_restarted = watch.has_restarted or has_restarted
+
+
+def count_correction(s: Any, step_deg: float) -> None:
+    """Store a step of yaw that is no motion in the state of a filter, and count it if it is large."""
+    s.correction_deg = step_deg
+    if abs(step_deg) > CORRECTION_DEG:
+        s.corrections += 1
+
+
+def add_correction(s: Any, step_deg: float) -> None:
+    """Add a further step in the same sample, which counts once."""
+    was_large = abs(s.correction_deg) > CORRECTION_DEG
+    s.correction_deg += step_deg
+    if abs(s.correction_deg) > CORRECTION_DEG and not was_large:
+        s.corrections += 1

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from gyrodrift.filters.aids.follow import Aids
 from gyrodrift.filters.filter import Filter
-from gyrodrift.filters.gaps import CORRECTION_DEG, UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
+from gyrodrift.filters.gaps import UNKNOWN_S, GapWatch, count_correction, count_gap, expect_gap, longest_step_s
 from gyrodrift.values.aid import Aid, AidStatus
 from gyrodrift.values.mount import LEVEL, Mount
 from gyrodrift.values.quaternion import with_heading
 from gyrodrift.values.sample import Attitude, Inertial
 
 if TYPE_CHECKING:
+    from gyrodrift.filters.aids.follow import Aids
     from gyrodrift.filters.three_axes import ThreeAxisFilter
 
 Axes = Literal["auto", "1", "3"]
@@ -64,7 +64,7 @@ class FilterRun:
     watch: GapWatch = field(init=False, default_factory=GapWatch)
     _axes_t_s: float = -inf
     _t_s: float = nan
-    _aids: Aids | None = None
+    _aids: "Aids | None" = None
 
     def __post_init__(self) -> None:
         self.state = self.filter.state()
@@ -80,7 +80,7 @@ class FilterRun:
         return self._step_aided(self._aids, t_s, rate_dps, inertial, still, temp_c)
 
     def _step_aided(
-        self, aids: Aids, t_s: float, rate_dps: float, inertial: Inertial | None, still: float, temp_c: float
+        self, aids: "Aids", t_s: float, rate_dps: float, inertial: Inertial | None, still: float, temp_c: float
     ) -> bool:
         """Take a sample, and what second sources have measured up to it."""
         still = aids.still(t_s) if isnan(still) else still
@@ -98,11 +98,12 @@ class FilterRun:
                 self._go_on_plain(aids)
         return is_accepted
 
-    def _go_on_plain(self, aids: Aids) -> None:
+    def _go_on_plain(self, aids: "Aids") -> None:
         """Go on with the state without the sources, one of which has misled the filter."""
         step_deg, corrections = aids.plain.yaw_deg - self.state.yaw_deg, self.state.corrections
         self.state = aids.plain
-        self.state.correction_deg, self.state.corrections = step_deg, corrections + (abs(step_deg) > CORRECTION_DEG)
+        self.state.corrections = corrections
+        count_correction(self.state, step_deg)
         aids.forget()
 
     def _step_axes(self, t_s: float, rate_dps: float, inertial: Inertial | None, still: float, temp_c: float) -> bool:
@@ -134,6 +135,8 @@ class FilterRun:
     def aid(self, aid: Aid) -> None:
         """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
         if self._aids is None:
+            from gyrodrift.filters.aids.follow import Aids  # noqa: PLC0415 - few devices have a second source
+
             self._aids = Aids()
             if self.state.samples > 0:  # it knows the time of the last sample
                 aided = (self.three_axes or self.filter).aided

@@ -99,24 +99,27 @@ class Aids:
         now_s, from_s = self._now_s, self._motion.from_s
         due = [aid for aid in self._waiting if aid.t_s <= now_s]
         self._waiting = [aid for aid in self._waiting if now_s < aid.t_s <= now_s + HISTORY_S]
-        is_trial = any(not (it.trust.is_proven or it.trust.differs) for it in self._sources.values())
-        if self.plain is None and (is_trial or not all(aid.name in self._sources for aid in due)):
+        if self.plain is None and (self._has_trial or not all(aid.name in self._sources for aid in due)):
             self.plain, self.plain_scale = deepcopy(s), self.scale.mean
         for aid in due:
             if aid.t_s == -inf or aid.t_s >= from_s:
                 self._measure(aided, c, s, aid._replace(t_s=max(aid.t_s, from_s)))
         self._yaw_deg = s.yaw_deg
-        if all(source.trust.is_proven or source.trust.differs for source in self._sources.values()):
-            self.plain = self.plain if self.is_contradicted else None
+        if not (self._has_trial or self.is_contradicted):
+            self.plain = None
+
+    @property
+    def _has_trial(self) -> bool:
+        return any(source.trust.is_on_trial for source in self._sources.values())
 
     def _measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid) -> None:
         is_heading = aid.kind == "heading"
         source = self._sources.setdefault(
             aid.name, HeadingSource() if is_heading else RateSource(is_wheels=aid.kind == "wheels")
         )
-        was_used = source.trust.differs == "" and not source.trust.is_proven
+        was_on_trial = source.trust.is_on_trial
         if isinstance(source, HeadingSource) and is_heading:
             source.measure(aided, c, s, aid, self._motion, self.scale)
         elif isinstance(source, RateSource) and not is_heading:
             source.measure(aided, c, s, aid, self._motion)
-        self.is_contradicted = self.is_contradicted or (was_used and source.trust.differs != "")
+        self.is_contradicted = self.is_contradicted or (was_on_trial and source.trust.differs != "")

@@ -52,6 +52,11 @@ class Trust:
     most_deg: float = -inf
     is_proven: bool = False
 
+    @property
+    def is_on_trial(self) -> bool:
+        """Whether it is used, and may mislead the filter."""
+        return not (self.is_proven or self.differs)
+
     def judge(self, reading: AidReading, m: AidMoments, *, counts: bool) -> bool:
         """Whether a measurement counts for the filter; `counts` if it can show that the source is wrong."""
         was_used, unit = self.differs == "", "deg" if reading.is_heading else "deg/s"

@@ -12,7 +12,7 @@ from gyrodrift.filters.attitude.mixture import ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.update import publish
 from gyrodrift.filters.attitude.yaw import unwrap_headings
-from gyrodrift.filters.gaps import CORRECTION_DEG
+from gyrodrift.filters.gaps import add_correction
 from gyrodrift.values.quaternion import heading_axis
 
 LEAST_VAR = 1e-12
@@ -62,11 +62,10 @@ def take(_c: AttitudeCoefficients, s: AttitudeState, reading: AidReading) -> flo
     h.weight = h.weight / h.weight.sum()
     s.hypotheses = ordered(h)
     unwrap_headings(s.hypotheses)
-    before_deg, before_step_deg = s.yaw_deg, s.correction_deg
+    before_deg = s.yaw_deg
     publish(s)
     s.block = next_block(s.hypotheses.bias[0], s.hypotheses.scale[0])
-    s.correction_deg += s.yaw_deg - before_deg
-    s.corrections += int(abs(s.correction_deg) > CORRECTION_DEG >= abs(before_step_deg))
+    add_correction(s, s.yaw_deg - before_deg)
     return agreement
 
 

@@ -8,7 +8,7 @@ from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
-from gyrodrift.filters.gaps import CORRECTION_DEG, longest_step_s
+from gyrodrift.filters.gaps import count_correction, longest_step_s
 from gyrodrift.filters.limits import LEAST_STEP_S
 from gyrodrift.values.quaternion import product
 from gyrodrift.values.vectors import Vector
@@ -65,7 +65,7 @@ def step(
     elif dt > s.watch.longest_step_s:
         held_deg = s.yaw_deg
         pass_gap(c, s, dt, (gx, gy, gz))
-        _count_correction(s, s.yaw_deg - held_deg)
+        count_correction(s, s.yaw_deg - held_deg)
     else:
         _turn(s, dt, (gx, gy, gz), accel, before)
     s.samples += 1
@@ -76,15 +76,8 @@ def step(
         before_deg = s.yaw_deg
         s.watch.longest_step_s = longest_step_s(s.block.seconds / s.block.samples)
         end_block(c, s, integrals(s.block))
-        _count_correction(s, s.yaw_deg - before_deg)
+        count_correction(s, s.yaw_deg - before_deg)
     return True
-
-
-def _count_correction(s: AttitudeState, step_deg: float) -> None:
-    """Store a step of yaw that is no motion, and count it if it is large."""
-    s.correction_deg = step_deg
-    if abs(step_deg) > CORRECTION_DEG:
-        s.corrections += 1
 
 
 def usable_accel(s: AttitudeState, t_s: float, ax: float, ay: float, az: float) -> Vector:

@@ -7,7 +7,7 @@ right or wrong, and the posterior is the mixture of both cases.
 from math import sqrt
 
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
-from gyrodrift.filters.gaps import CORRECTION_DEG
+from gyrodrift.filters.gaps import add_correction
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import KalmanStep, mix
 from gyrodrift.filters.restlevel.mixture import collapse, normalise
@@ -58,13 +58,12 @@ def take(c: RestlevelCoefficients, s: RestlevelState, reading: AidReading) -> fl
             right += h.weight * share
     total = sum(h.weight for h in s.hypotheses)
     normalise(s)
-    before_deg, before_step_deg = s.yaw_deg, s.correction_deg
+    before_deg = s.yaw_deg
     collapse(c, s)
     s.yaw_deg = s.moments.yaw_deg
     s.yaw_sigma_deg = sqrt(max(0.0, s.moments.yaw_var))
     s.start_yaw_deg += s.yaw_deg - before_deg
-    s.correction_deg += s.yaw_deg - before_deg
-    s.corrections += int(abs(s.correction_deg) > CORRECTION_DEG >= abs(before_step_deg))
+    add_correction(s, s.yaw_deg - before_deg)
     return right / total
 
 

@@ -5,7 +5,7 @@ Batch versions compile this source, and a test compares their bits with it.
 
 from math import nan, sqrt
 
-from gyrodrift.filters.gaps import CORRECTION_DEG, longest_step_s
+from gyrodrift.filters.gaps import count_correction, longest_step_s
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.frozen import detect_freeze, widen_yaw
 from gyrodrift.filters.restlevel.gap import pass_gap
@@ -128,7 +128,7 @@ def advance(
     elif dt_s > s.watch.longest_step_s:
         expected_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * block.seconds
         pass_gap(c, s, dt_s, rate_dps)
-        _count_correction(s, moments.yaw_deg - expected_deg)
+        count_correction(s, moments.yaw_deg - expected_deg)
         dt_s = 0.0
     if still >= 0.0:  # false for NaN
         hear(s.witness, still)
@@ -155,7 +155,7 @@ def advance(
     if seconds > c.window_s - SAME_TIME_S and block.samples >= MIN_BLOCK_SAMPLES:
         expected_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
         _end_block(c, s, seconds)
-        _count_correction(s, moments.yaw_deg - expected_deg)
+        count_correction(s, moments.yaw_deg - expected_deg)
         seconds = 0.0
     yaw_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
     net_deg = yaw_deg - s.start_yaw_deg
@@ -164,13 +164,6 @@ def advance(
     moving_var = seconds * (moments.bias_var * seconds - 2.0 * moments.covariance + angle_walk_var)
     s.yaw_deg = yaw_deg
     s.yaw_sigma_deg = sqrt(max(0.0, moments.yaw_var + moving_var + scale_var))
-
-
-def _count_correction(s: RestlevelState, step_deg: float) -> None:
-    """Store a step of yaw that is no motion, and count it if it is large."""
-    s.correction_deg = step_deg
-    if abs(step_deg) > CORRECTION_DEG:
-        s.corrections += 1
 
 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
