@@ -25,13 +25,10 @@ from gyrodrift.io.files import check_kept, write_whole
 from gyrodrift.io.progress import OnProgress, counted
 from gyrodrift.session.aids import aids_by_row
 from gyrodrift.session.calibrated import applied_scale_sigmas, device_of, with_config
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import FilterSample, Session
 from gyrodrift.session.tables.write import Row, write_rows, written_ending
 from gyrodrift.values.errors import DataError, GyrodriftError, visible
-from gyrodrift.values.sample import Attitude, Inertial
-
-FilterSample = tuple[float, float, Inertial | None, float, float]
-"""Time in s, rate in deg/s, axes, still flag and temperature in °C."""
+from gyrodrift.values.sample import Attitude
 
 CORRECTION = "correction_deg"
 COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
@@ -103,7 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(out: Path | None, session: Session, run: FilterRun, progress: OnProgress) -> None:
-    samples = list(_samples(session))
+    samples = list(session.filter_samples())
     has_axes = any(run.has_axes(sample[2]) for sample in samples)
     columns = THREE_AXIS_COLUMNS if has_axes else run.filter.columns
     names = ["t_device_s", "rate_dps", *columns, CORRECTION]
@@ -165,13 +162,6 @@ def _columns(run: FilterRun) -> Callable[[Any], tuple[float, ...]]:
     common, attitude = attrgetter(*COMMON_COLUMNS), attrgetter(*ATTITUDE_COLUMNS)
     missing = [nan] * len(ATTITUDE_COLUMNS)
     return lambda state: (*common(state), *(missing if run.three_axes is None else attitude(run.attitude())))
-
-
-def _samples(session: Session) -> Iterator[FilterSample]:
-    """Times in s, rates in deg/s, axes, still flags and temperatures in °C; NaN for a missing column."""
-    missing = [nan] * len(session.t_device_s)
-    still, temp_c = (missing if column is None else column.tolist() for column in (session.still, session.temp_c))
-    return zip(session.t_device_s.tolist(), session.rate_dps.tolist(), session.inertials(), still, temp_c, strict=True)
 
 
 def _calibrated_session(arguments: argparse.Namespace, config: Config) -> Session:

@@ -1,6 +1,6 @@
 """A recorded session as arrays."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isnan
 from typing import Any
@@ -37,6 +37,9 @@ AXIS_COLUMNS = {
 
 UPSIDE_DOWN = np.array([1.0, -1.0, -1.0])
 """Factors of x, y and z in a frame that is turned by 180° about x."""
+
+FilterSample = tuple[float, float, Inertial | None, float, float]
+"""Time in s, rate in deg/s, axes, still flag, and temperature in °C, as a filter takes them."""
 
 ARRAYS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still", *DEVICE_COLUMNS)
 """Arrays of a session of shape (n,)."""
@@ -126,6 +129,12 @@ class Session(ResultTable):
             return [None] * len(self.rate_dps)
         columns = [self.filled(name).tolist() for name in AXIS_COLUMNS]
         return [None if isnan(sum(values[:3])) else Inertial(*values) for values in zip(*columns, strict=True)]
+
+    def filter_samples(self) -> Iterator[FilterSample]:
+        """The samples as a filter takes them; NaN for a missing column."""
+        names = ("t_device_s", "rate_dps", "still", "temp_c")
+        t_s, rate_dps, still, temp_c = (self.filled(name).tolist() for name in names)
+        return zip(t_s, rate_dps, self.inertials(), still, temp_c, strict=True)
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from `start` to before `end`."""

@@ -19,9 +19,8 @@ def sources_of(session: Session) -> Sources | None:
         return None
     run, by_row = FilterRun(RESTLEVEL, RESTLEVEL.params()), aids_by_row(session.aids)
     differing: Sources = {}
-    columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "still", "temp_c"))
-    for row, (inertial, t_s, rate_dps, still, temp_c) in enumerate(zip(session.inertials(), *columns, strict=True)):
-        run.step(t_s, rate_dps, inertial, still, temp_c)
+    for row, sample in enumerate(session.filter_samples()):
+        run.step(*sample)
         for aid in by_row.get(row, ()):
             run.aid(aid)
             differing |= {name: status for name, status in run.aids.items() if status.differs}

@@ -75,10 +75,9 @@ def yaw_agreement(session: Session) -> YawAgreement | None:
 def _ours(session: Session) -> tuple[list[int], Floats, Floats]:
     """Rows with a result of the device, yaw of restlevel there in deg, and the standard deviation of both filters."""
     run, rows, yaws_deg, sigmas_deg = FilterRun(RESTLEVEL, RESTLEVEL.params()), [], [], []
-    names = ("t_device_s", "rate_dps", "still", "temp_c", "device_yaw_deg", "device_yaw_sigma_deg")
-    columns = zip(session.inertials(), *(session.filled(name).tolist() for name in names), strict=True)
-    for row, (inertial, t_s, rate_dps, still, temp_c, device_deg, sigma_deg) in enumerate(columns):
-        if run.step(t_s, rate_dps, inertial, still, temp_c) and not isnan(device_deg):
+    device = (session.filled(name).tolist() for name in ("device_yaw_deg", "device_yaw_sigma_deg"))
+    for row, (sample, device_deg, sigma_deg) in enumerate(zip(session.filter_samples(), *device, strict=True)):
+        if run.step(*sample) and not isnan(device_deg):
             rows.append(row)
             yaws_deg.append(run.state.yaw_deg)
             sigmas_deg.append(hypot(run.state.yaw_sigma_deg, 0.0 if isnan(sigma_deg) else sigma_deg))
