@@ -10,16 +10,16 @@ A device with three axes also gets its true orientation, as NAME.truth.npz besid
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
-from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import Motion
 from firmware_sim.motion.profile import load_motion
 from firmware_sim.rig import (
     AIDS,
     Rig,
-    SimulatedAid,
     load_rig,
     parse_aid,
     parse_effect,
@@ -37,6 +37,8 @@ from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_count, hard_case
 from gyrodrift.simulation.published_set import read_rows, twin_paths, write_twins
 from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, truth_path, write_sessions
 from gyrodrift.values.errors import UsageError, visible
+
+Parsed = TypeVar("Parsed")
 
 STAGE = "sessions"
 
@@ -66,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="seed of all randomness (default 0)")
     parser.add_argument(
         "--effect",
-        type=_effect,
+        type=partial(_parsed, parse_effect),
         action="append",
         default=[],
         metavar="NAME[:param=value,...]",
@@ -74,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--aid",
-        type=_aid,
+        type=partial(_parsed, parse_aid),
         action="append",
         default=[],
         metavar="NAME[:param=value,...]",
@@ -202,29 +204,15 @@ def _hard_cases(arguments: argparse.Namespace, progress: OnProgress) -> Iterator
         yield written_words(path, contents)
 
 
-def _aid(text: str) -> SimulatedAid:
-    """Second source of an argument of `--aid`.
+def _parsed(parse: Callable[[str], Parsed], text: str) -> Parsed:
+    """Value of an argument of `--aid` or `--effect`; without parameters it has its typical size.
 
     Raises
     ------
     UsageError
-        If the source or a parameter does not exist, or a value is out of range.
+        If the name or a parameter does not exist, or a value is out of range.
     """
     try:
-        return parse_aid(text)
-    except FileError as error:
-        raise UsageError(str(error)) from error
-
-
-def _effect(text: str) -> Effect:
-    """Effect of an argument of `--effect`; without parameters it has its typical size.
-
-    Raises
-    ------
-    UsageError
-        If the effect or a parameter does not exist, or a value is out of range.
-    """
-    try:
-        return parse_effect(text)
+        return parse(text)
     except FileError as error:
         raise UsageError(str(error)) from error
