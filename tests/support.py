@@ -304,7 +304,7 @@ def never() -> bool:
 def python_in(page: str) -> list[str]:
     """Python of a page of docs/, in its order: blocks in the text, and files of docs/examples that it links to."""
     docs = Path(__file__).parent.parent / "docs"
-    parts = re.findall(r"```python\n(.*?)```|\]\((examples/\w+\.py)\)", (docs / page).read_text(), re.DOTALL)
+    parts = re.findall(r"```python\n(.*?)```|\]\((examples/[\w/-]+\.py)\)", (docs / page).read_text(), re.DOTALL)
     return [block or (docs / example).read_text() for block, example in parts]
 
 
