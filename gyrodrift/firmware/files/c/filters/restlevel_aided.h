@@ -4,6 +4,7 @@
 
 #include "aid.h"
 #include "restlevel_collapse.h"
+#include "restlevel_output.h"
 
 #if GD_RESTLEVEL_AIDS
 
@@ -53,9 +54,7 @@ static inline void gd_rl_aid_update(const gd_rl_coefficients *c, gd_rl_hypothesi
 
 /* Keeps the yaw error of the scale factor so far in yaw. */
 static inline void gd_rl_settle_scale(gd_restlevel *s) {
-  const gd_real net_deg = s->moments.yaw_deg - s->start_yaw_deg;
-  const gd_real added_var =
-      s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
+  const gd_real added_var = gd_rl_scale_var(s, s->moments.yaw_deg);
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     s->hypotheses[k].yaw_var += added_var;

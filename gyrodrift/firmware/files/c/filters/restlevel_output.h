@@ -24,14 +24,18 @@ static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
   return s->moments.yaw_deg + angle_deg - s->bias_dps * gd_rl_elapsed_s(s);
 }
 
+/* Variance of yaw by the errors of the scale factor, at this yaw without `base_deg`. */
+static inline gd_real gd_rl_scale_var(const gd_restlevel *s, gd_real yaw_deg) {
+  const gd_real net_deg = yaw_deg - s->start_yaw_deg;
+  return s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
+}
+
 /* Sets yaw and its sigma after a sample, part way through a block. */
 static inline void gd_rl_set_yaw(gd_restlevel *s) {
   const gd_rl_moments *m = &s->moments;
   const gd_real seconds = gd_rl_elapsed_s(s);
   const gd_real yaw_deg = gd_rl_expected_deg(s);
-  const gd_real net_deg = yaw_deg - s->start_yaw_deg;
-  const gd_real scale_var =
-      s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
+  const gd_real scale_var = gd_rl_scale_var(s, yaw_deg);
   const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var);
   const gd_real moving_var = seconds * (m->bias_var * seconds - GD_R(2.0) * m->covariance + angle_walk_var);
   const gd_real yaw_var = m->yaw_var + moving_var + scale_var;
