@@ -41,11 +41,11 @@ def measure(seed: int, count: int, folder: Path, say: Callable[[str], None]) -> 
     figures = []
     for name, draw in RIDES.items():
         rides = [draw(np.random.default_rng([seed, number])) for number in range(count)]
-        found = [error_of(ride) for ride in rides]
+        errors = [error_of(ride) for ride in rides]
         plain = [error_of(replace(ride, aids={}))[0] for ride in rides]
-        say(f"{name}: {np.mean([error for error, _ in found]):.3g} deg, without {np.mean(plain):.3g}")
-        figures.append(mean_figure(f"{name}: error in deg", [error for error, _ in found]))
-        figures.append(mean_figure(f"{name}: share beyond 2 sigma", [1.0 - within for _, within in found]))
+        say(f"{name}: {np.mean([error for error, _ in errors]):.3g} deg, without {np.mean(plain):.3g}")
+        figures.append(mean_figure(f"{name}: error in deg", [error for error, _ in errors]))
+        figures.append(mean_figure(f"{name}: share beyond 2 sigma", [1.0 - within for _, within in errors]))
     figures += [_harm(name, spoil, seed, count, say) for name, spoil in WRONG.items()]
     return figures
 
@@ -69,8 +69,8 @@ def _harm(
     for number in range(count):
         ride = never_at_rest(np.random.default_rng([seed, number]), minutes=10.0, every_s=1.0, spoil=spoil)
         plain = error_of(replace(ride, aids={}))[0]
-        found = error_of(ride)[0]
-        harmed += found > HARM * plain + HARMLESS_DEG
+        aided = error_of(ride)[0]
+        harmed += aided > HARM * plain + HARMLESS_DEG
     say(f"{name}: {harmed} of {count} harmed")
     return share_figure(f"a heading that is {name} does harm", harmed, count, is_less_better=True)
 

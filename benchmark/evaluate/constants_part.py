@@ -1,7 +1,7 @@
-"""What other values of the constants of restlevel cost: each of them 1.5 times as large and as small, or its odds.
+"""Cost of other values of the constants of restlevel: each of them 1.5 times as large and as small, or its odds.
 
-The motions are the everyday ones. CRPS is that of a normal distribution with the stated sigma, deg (Gneiting and
-Raftery 2007). A constant with hardly any effect could go; one with a large effect has to be right.
+The motions are the everyday ones. CRPS is that of a normal distribution with the stated sigma, deg. A constant with
+hardly any effect could go; one with a large effect has to be right.
 """
 
 import ast
@@ -10,7 +10,6 @@ import pkgutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import erf, exp, pi, sqrt
 from pathlib import Path
 from types import ModuleType
 
@@ -18,6 +17,7 @@ import numpy as np
 
 from evaluate.everyday_motions import MOTIONS, Session, session
 from evaluate.figures import Figure, mean_figure
+from gyrodrift.evaluation.score import normal_crps
 from gyrodrift.filters import restlevel
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
@@ -91,22 +91,16 @@ def _constant(name: str, module: ModuleType, value: float) -> Iterator[None]:
 
 
 def _scores(sessions: list[Session]) -> Floats:
-    return np.array([_crps(one) for one in sessions])
+    return np.array([_crps(ride) for ride in sessions])
 
 
-def _crps(one: Session) -> float:
+def _crps(ride: Session) -> float:
     """Mean CRPS of yaw, deg."""
-    c, s, scores, due_s = coefficients(RestlevelParams()), RestlevelState(), [], 0.0
-    for t_s, rate_dps, yaw_deg in zip(one.t_s.tolist(), one.rate_dps.tolist(), one.yaw_deg.tolist(), strict=True):
+    c, s, errors_deg, sigmas_deg, due_s = coefficients(RestlevelParams()), RestlevelState(), [], [], 0.0
+    for t_s, rate_dps, yaw_deg in zip(ride.t_s.tolist(), ride.rate_dps.tolist(), ride.yaw_deg.tolist(), strict=True):
         step(c, s, t_s, rate_dps)
         if t_s >= due_s:
             due_s += EVERY_S
-            scores.append(_normal_crps(s.yaw_deg - yaw_deg, s.yaw_sigma_deg))
-    return float(np.mean(scores))
-
-
-def _normal_crps(error: float, sigma: float) -> float:
-    if sigma <= 0.0:
-        return abs(error)
-    z = error / sigma
-    return sigma * (z * erf(z / sqrt(2.0)) + 2.0 * exp(-0.5 * z * z) / sqrt(2.0 * pi) - 1.0 / sqrt(pi))
+            errors_deg.append(s.yaw_deg - yaw_deg)
+            sigmas_deg.append(s.yaw_sigma_deg)
+    return float(normal_crps(np.array(errors_deg), np.array(sigmas_deg)).mean())
