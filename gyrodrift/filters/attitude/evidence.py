@@ -38,7 +38,7 @@ MODEL_ERROR = 0.1
 Measured: recordings of five rigs, median heading error."""
 
 
-SAME_RATE = 0.01
+SAME_RATE = 0.005
 """Error of a bias that its covariance does not contain, deg/s, where a rest is tested once a bias is known.
 Chosen: flicker of common parts within seconds."""
 

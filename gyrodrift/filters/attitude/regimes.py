@@ -169,13 +169,16 @@ def widen(h: Hypotheses, off: Floats, variance: Floats) -> None:
         h.cov[i] += (factor - 1.0) * carried @ np.linalg.inv(h.cov[i, BIAS, BIAS]) @ carried.T
 
 
-def is_same_rest(h: Hypotheses, m: RestCandidate) -> bool:
-    """Whether the rates of a later window fit the bias of the first hypothesis of rest."""
+def is_same_rest(h: Hypotheses, m: RestCandidate, undone: Floats) -> bool:
+    """Whether the rates of a later window fit the bias of the first hypothesis of rest, before it was changed.
+
+    `undone` (3) is the change of the bias after the end of the rest, rad/s.
+    """
     rest = h.select(np.flatnonzero(h.regime == REST)[:1])
     if not len(rest.weight):
         return True
     error, variance = np.zeros((1, STATES)), np.diag(m.gyro_var * scatter_share(m) + (SAME_RATE * RAD) ** 2)
-    inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias, variance)
+    inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias + undone, variance)
     return bool((innovation.transpose(0, 2, 1) @ inverse @ innovation)[0, 0, 0] <= GATE)
 
 

@@ -24,7 +24,7 @@ from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, Attitude
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
 from gyrodrift.filters.attitude.regimes import REST_BIAS
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
-from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
+from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest, left_gradually
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.values.arrays import Mask
@@ -66,7 +66,7 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
     h.yaw_deg = h.yaw_deg + np.where(is_held, 0.0, s.yaw_deg - s.start_yaw_deg)
     is_blind = s.block.is_clipped or not np.isfinite(block.velocity).all()
     usable = with_gravity(h, block) if is_blind else block
-    predict(h, usable, c.walk_var, s.noise_var, is_held)
+    predict(h, usable, c.walk_var, max(s.noise_var, GYRO_NOISE**2), is_held)
     widen_by_tilt(s)
     widen_by_motion(s, block.seconds)
     if is_blind:
@@ -94,8 +94,10 @@ def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mas
 
 
 def widen_by_motion(s: AttitudeState, seconds: float) -> None:
-    """Widen the biases in motion, which differ from those at rest, for the first seconds."""
+    """Widen the biases in motion, which differ from those at rest, for the first seconds. An even turn is no motion."""
     h = s.hypotheses
+    if s.segment.blocks == QUIET.blocks or left_gradually(s):
+        return
     is_moving = h.knows_bias & (h.moving_s < LONGEST_DRIFT_S) & ((h.regime != REST) | (s.segment.blocks == 0))
     h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / LONGEST_DRIFT_S * np.eye(3)
 
