@@ -31,7 +31,7 @@ def leaves_level(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) ->
     if m.kind is not QUIET:
         return False
     before = segment.level_blocks - NEWEST
-    off = mean_rate(s.windows, 0, NEWEST, segment.up) - segment.level
+    off = mean_vertical(s.windows, 0, NEWEST, segment.up) - segment.level
     variance = level_var(c, s, 1.0 / NEWEST + 1.0 / before, 0.5 * segment.level_blocks)
     return off * off > GATE_SIGMAS * GATE_SIGMAS * variance
 
@@ -53,11 +53,11 @@ def slopes(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -> bool:
     if m.kind is not QUIET or norm == 0.0:
         return False
     up = m.accel / norm
-    slope = mean_rate(s.windows, 0, half, up) - mean_rate(s.windows, half, half, up)
+    slope = mean_vertical(s.windows, 0, half, up) - mean_vertical(s.windows, half, half, up)
     return slope * slope > SLOPE_SIGMAS * SLOPE_SIGMAS * 2.0 / half * s.noise_var / c.block_s
 
 
-def mean_rate(w: Windows, ago: int, blocks: int, up: Floats) -> float:
+def mean_vertical(w: Windows, ago: int, blocks: int, up: Floats) -> float:
     """Mean rate about a direction, rad/s, over some blocks that end `ago` blocks before the newest one."""
     end = (w.total - 1) % LONGEST + LONGEST + 1 - ago
     return GYRO_SPREAD * float(w.rows[end - blocks : end, :3].sum(axis=0) @ up) / blocks
@@ -76,7 +76,7 @@ def follow_level(s: AttitudeState) -> None:
     """Update the level of a segment that goes on with the newest block."""
     segment = s.segment
     segment.level_blocks = min(segment.level_blocks + 1, LONGEST)
-    segment.level = mean_rate(s.windows, NEWEST, segment.level_blocks - NEWEST, segment.up)
+    segment.level = mean_vertical(s.windows, NEWEST, segment.level_blocks - NEWEST, segment.up)
 
 
 def begin_level(s: AttitudeState, m: RestCandidate) -> None:
@@ -111,7 +111,7 @@ def end_level(c: AttitudeCoefficients, s: AttitudeState) -> None:
     The next window has blocks of the new level alone.
     """
     segment, w = s.segment, s.windows
-    step = mean_rate(w, 0, NEWEST, segment.up) - mean_rate(w, NEWEST, NEWEST, segment.up)
+    step = mean_vertical(w, 0, NEWEST, segment.up) - mean_vertical(w, NEWEST, NEWEST, segment.up)
     is_gradual = abs(step) < GRADUAL_DPS_S * RAD * NEWEST * c.block_s
     w.blocks = NEWEST if is_gradual else 1
     if is_gradual and take_bias(s):

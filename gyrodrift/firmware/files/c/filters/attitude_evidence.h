@@ -26,7 +26,7 @@
 /* Error of the bias that its covariance does not contain, deg/s, where a rest is tested. */
 #define GD_ATTITUDE_MODEL_ERROR GD_R(0.1)
 /* Change of a bias within a rest that its covariance does not contain, deg/s. */
-#define GD_ATTITUDE_SAME_RATE GD_R(0.01)
+#define GD_ATTITUDE_SAME_RATE GD_R(0.005)
 /* Longest drift of a bias since the last rest, s, as in restlevel. */
 #define GD_ATTITUDE_LONGEST_DRIFT_S GD_R(20.0)
 /* Logarithms of 1e-300, the smallest density, and of 2 pi. */

@@ -89,14 +89,17 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
   if (a->block.moving > 0) {
     a->windows.blocks = 0;
   }
+  job->is_repeated = 0;
   job->is_certain = gd_attitude_certain_rest(m, a) != 0;
   job->is_found = job->is_certain || gd_attitude_find_rest(m, &a->windows, a->c.limits, is_resting);
   goes_on = job->is_found && gd_attitude_continues(a, m);
   if (job->is_found && !job->is_certain && a->segment.blocks > 0 && !goes_on) {
-    a->windows.blocks = 1; /* the next window has blocks of the new level alone */
+    gd_attitude_end_level(a);
+    job->is_found = 0;
+  } else if (job->is_found && !job->is_certain && a->segment.blocks == 0 && gd_attitude_slopes(a, m)) {
     job->is_found = 0;
   }
-  job->is_continued = goes_on != 0;
+  job->is_continued = goes_on && job->is_found;
   gd_attitude_go_to(job, GD_ATTITUDE_LEARN);
   if (!job->is_found) {
     gd_attitude_end_segment(a);
@@ -111,6 +114,9 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
 /* Learn from the candidate once the hypotheses are updated by it. */
 static inline void gd_attitude_learn(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
+  if (job->is_repeated) {
+    gd_attitude_follow_bias(a, GD_ATTITUDE_UPDATE_BLOCKS * a->c.block_s);
+  }
   if (job->is_certain) {
     gd_attitude_keep_rests(&a->sum);
   }

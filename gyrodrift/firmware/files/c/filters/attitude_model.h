@@ -6,6 +6,7 @@
 #include "gaps.h"
 #include "parameters.h"
 #include "real.h"
+#include "restlevel_bias_state.h"
 
 /* Hypotheses that are kept: 6 as in Python. Fewer save RAM (about 2 KB each in float, as each may branch into two) and
    lose the less probable of several explanations of a start without a clear rest. */
@@ -142,6 +143,12 @@ typedef struct {
   int32_t ago;     /* blocks since its end */
   gd_real seconds; /* time since the candidate was found */
   gd_real gyro[3]; /* mean rates where it was found, rad/s */
+  gd_real up[3];   /* vertical in the sensor where it was found */
+  gd_real level;   /* mean rate about the vertical before the newest blocks, rad/s */
+  gd_real undone;  /* change of the biases about the vertical at a gradual end, rad/s */
+  gd_rl_hypothesis rest; /* most probable rest, about the vertical: its bias, deg/s, and the slide of that bias */
+  int32_t level_blocks;  /* blocks in a row that have its rate */
+  uint8_t ended_gradually; /* the rate left it slowly */
 } gd_attitude_segment;
 
 /* External rest sensor. */

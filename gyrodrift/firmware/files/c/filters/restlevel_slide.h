@@ -26,10 +26,10 @@ static inline gd_real gd_rl_towards_zero(gd_real x, gd_real step) {
   return x > step ? x - step : gd_min(x + step, GD_R(0.0));
 }
 
-/* Follows the slide of a rest after the zero-velocity update of a block. */
-static inline void gd_rl_follow_slide(const gd_rl_coefficients *c, gd_rl_hypothesis *h, double seconds) {
+/* Follows the slide of a rest after the zero-velocity update of a block; `ramp_dps_s` is the fastest drift. */
+static inline void gd_rl_follow_slide(gd_real ramp_dps_s, gd_rl_hypothesis *h, double seconds) {
   gd_rl_mark *recent = &h->recent, *safe = &h->safe;
-  const gd_real least_dps = c->rate_ramp_dps_s * GD_FLAT_S, before_dps = h->slide_dps;
+  const gd_real least_dps = ramp_dps_s * GD_FLAT_S, before_dps = h->slide_dps;
   gd_real step_dps;
   recent->ago_s += seconds;
   safe->ago_s += seconds;
