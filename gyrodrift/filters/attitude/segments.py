@@ -9,6 +9,7 @@ from gyrodrift.filters.attitude.regimes import branch, is_same_rest, measure_res
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, RestCandidate, Segment, find_rest
 from gyrodrift.filters.attitude.vertical import (
     begin_level,
+    begin_slide,
     end_level,
     follow_bias,
     follow_level,
@@ -68,8 +69,11 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
         begin_segment(c, s, candidate, is_certain=certain is not None)
     elif segment.blocks == 0:
         segment.blocks, segment.since = candidate.kind.blocks, 0
+        was_brief = segment.level_blocks < QUIET.blocks
         resume_level(s, candidate)
         update_rest(s, candidate, 1.0)
+        if was_brief:
+            begin_slide(s)
     else:
         segment.blocks = candidate.kind.blocks
         follow_level(s)

@@ -94,9 +94,9 @@ def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mas
 
 
 def widen_by_motion(s: AttitudeState, seconds: float) -> None:
-    """Widen the biases in motion, which differ from those at rest, for the first seconds. An even turn is no motion."""
+    """Widen the biases in motion, which differ from those at rest, for the first seconds. A slow turn is no motion."""
     h = s.hypotheses
-    if s.segment.blocks == QUIET.blocks or left_gradually(s):
+    if left_gradually(s):
         return
     is_moving = h.knows_bias & (h.moving_s < LONGEST_DRIFT_S) & ((h.regime != REST) | (s.segment.blocks == 0))
     h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / LONGEST_DRIFT_S * np.eye(3)

@@ -48,9 +48,9 @@ def resumes_level(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -
 
 
 def slopes(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -> bool:
-    """Whether the halves of a quiet window differ, so that its rate is no level."""
+    """Whether the halves of a quiet window after a gradual end differ, so that its rate is no level."""
     norm, half = float(np.sqrt(m.accel @ m.accel)), QUIET.blocks // 2
-    if m.kind is not QUIET or norm == 0.0:
+    if not s.segment.ended_gradually or m.kind is not QUIET or norm == 0.0:
         return False
     up = m.accel / norm
     slope = mean_vertical(s.windows, 0, half, up) - mean_vertical(s.windows, half, half, up)
@@ -85,8 +85,13 @@ def begin_level(s: AttitudeState, m: RestCandidate) -> None:
     segment.up = m.accel / norm if norm > 0.0 else np.zeros(3)
     segment.level, segment.level_blocks = float(m.gyro @ segment.up), m.kind.blocks
     segment.undone, segment.ended_gradually = 0.0, False
+    begin_slide(s)
+
+
+def begin_slide(s: AttitudeState) -> None:
+    """Begin the slide of the bias."""
     take_bias(s)
-    mark_safe(segment.rest)
+    mark_safe(s.segment.rest)
 
 
 def take_bias(s: AttitudeState) -> bool:

@@ -10,6 +10,7 @@ uncertainty.
 
 from math import sqrt
 
+from gyrodrift.filters.limits import SAME_TIME_S
 from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
 
 MARK_S = 4.0
@@ -38,7 +39,7 @@ def follow_slide(ramp_dps_s: float, h: Hypothesis, seconds: float) -> None:
     recent, safe = h.recent, h.safe
     recent.ago_s += seconds
     safe.ago_s += seconds
-    if recent.ago_s < MARK_S:
+    if recent.ago_s < MARK_S - SAME_TIME_S:
         return
     least_dps = ramp_dps_s * FLAT_S
     step_dps = h.bias_dps - recent.bias_dps

@@ -89,7 +89,7 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
   if (a->block.moving > 0) {
     a->windows.blocks = 0;
   }
-  job->is_repeated = 0;
+  job->is_repeated = job->was_brief = 0;
   job->is_certain = gd_attitude_certain_rest(m, a) != 0;
   job->is_found = job->is_certain || gd_attitude_find_rest(m, &a->windows, a->c.limits, is_resting);
   goes_on = job->is_found && gd_attitude_continues(a, m);
@@ -114,6 +114,9 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
 /* Learn from the candidate once the hypotheses are updated by it. */
 static inline void gd_attitude_learn(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
+  if (job->was_brief) {
+    gd_attitude_begin_slide(a);
+  }
   if (job->is_repeated) {
     gd_attitude_follow_bias(a, GD_ATTITUDE_UPDATE_BLOCKS * a->c.block_s);
   }

@@ -171,6 +171,7 @@ static inline int gd_attitude_continue_segment(gd_attitude *a, const gd_attitude
   segment->since = resumes ? 0 : segment->since + 1;
   *overlap = GD_R(1.0);
   if (resumes) {
+    a->job.was_brief = segment->level_blocks < GD_ATTITUDE_QUIET_BLOCKS;
     gd_attitude_resume_level(a, m);
     return 1;
   }

@@ -25,7 +25,7 @@ typedef struct {
   uint8_t stage, index, later, after; /* next portion; stage after a merge */
   uint8_t is_blind;                   /* the block has no acceleration */
   uint8_t is_certain, is_found, is_continued; /* kind of its rest candidate */
-  uint8_t is_repeated;                     /* its rests are measured again */
+  uint8_t is_repeated, was_brief;          /* its rests are measured again; they were brief ones */
   uint8_t is_at_gap;                       /* a gap begins after the block */
   uint8_t is_divided, waits;               /* the user has asked for a portion since the last block ended, and before */
   uint8_t rests;                           /* hypotheses of rest, which are first in the list */

@@ -135,11 +135,11 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
   }
 }
 
-/* Widen the biases in motion, which differ from those at rest, for the first seconds. An even turn is no motion. */
+/* Widen the biases in motion, which differ from those at rest, for the first seconds. A slow turn is no motion. */
 static inline void gd_attitude_widen_by_motion(gd_attitude *a, gd_real seconds) {
   const gd_real rate = GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS / GD_ATTITUDE_LONGEST_DRIFT_S;
   int i;
-  if (a->segment.blocks == GD_ATTITUDE_QUIET_BLOCKS || gd_attitude_left_gradually(a)) {
+  if (gd_attitude_left_gradually(a)) {
     return;
   }
   for (i = 0; i < a->sum.count; i++) {

@@ -66,13 +66,13 @@ static inline int gd_attitude_resumes_level(const gd_attitude *a, const gd_attit
   return !gd_attitude_is_quiet(m) || off * off < sigmas * sigmas * variance;
 }
 
-/* Whether the halves of a quiet window differ, so that its rate is no level. */
+/* Whether the halves of a quiet window after a gradual end differ, so that its rate is no level. */
 static inline int gd_attitude_slopes(const gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real norm = GD_SQRT(gd_dot(m->accel, m->accel));
   const int32_t half = GD_ATTITUDE_QUIET_BLOCKS / 2;
   gd_real up[3], slope;
   int i;
-  if (!gd_attitude_is_quiet(m) || !(norm > 0)) {
+  if (!a->segment.ended_gradually || !gd_attitude_is_quiet(m) || !(norm > 0)) {
     return 0;
   }
   for (i = 0; i < 3; i++) {
@@ -109,6 +109,12 @@ static inline int gd_attitude_take_bias(gd_attitude *a) {
   return 0;
 }
 
+/* Begin the slide of the bias. */
+static inline void gd_attitude_begin_slide(gd_attitude *a) {
+  gd_attitude_take_bias(a);
+  gd_rl_mark_safe(&a->segment.rest);
+}
+
 /* Begin the level and the slide of a segment. */
 static inline void gd_attitude_begin_level(gd_attitude *a, const gd_attitude_candidate *m) {
   gd_attitude_segment *segment = &a->segment;
@@ -122,8 +128,7 @@ static inline void gd_attitude_begin_level(gd_attitude *a, const gd_attitude_can
   segment->undone = 0;
   segment->ended_gradually = 0;
   memset(&segment->rest, 0, sizeof segment->rest);
-  gd_attitude_take_bias(a);
-  gd_rl_mark_safe(&segment->rest);
+  gd_attitude_begin_slide(a);
 }
 
 /* Update the slide of the bias after an update of a rest, `seconds` after the one before. */

@@ -4,6 +4,7 @@
 
 #include "restlevel_model.h"
 
+#define GD_SAME_TIME_S 1e-6     /* times that differ by less are the same */
 #define GD_MARK_S 4.0           /* time between two recent values of the bias */
 #define GD_FLAT_S GD_R(1.0)     /* a step up to the drift of this time is no slide */
 #define GD_LONGEST_SLIDE_S 40.0 /* bends last no longer */
@@ -33,7 +34,7 @@ static inline void gd_rl_follow_slide(gd_real ramp_dps_s, gd_rl_hypothesis *h, d
   gd_real step_dps;
   recent->ago_s += seconds;
   safe->ago_s += seconds;
-  if (recent->ago_s < GD_MARK_S) {
+  if (recent->ago_s < GD_MARK_S - GD_SAME_TIME_S) {
     return;
   }
   step_dps = h->bias_dps - recent->bias_dps;
