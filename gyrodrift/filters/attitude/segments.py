@@ -58,35 +58,47 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
     is_resting = segment.blocks > 0 or bool(s.hypotheses.knows_bias[0])
     candidate = certain or find_rest(s.windows, c.limits, is_resting=is_resting)
     goes_on = candidate is not None and continues(c, s, candidate)
-    if certain is None and segment.blocks > 0 and not goes_on and candidate is not None:
-        end_level(c, s)
-        candidate = None
-    elif certain is None and segment.blocks == 0 and candidate is not None and slopes(c, s, candidate):
+    if candidate is not None and certain is None and end_between_levels(c, s, candidate, goes_on=goes_on):
         candidate = None
     if candidate is None:
         end_segment(s)
-    elif not goes_on:
-        begin_segment(c, s, candidate, is_certain=certain is not None)
-    elif segment.blocks == 0:
-        segment.blocks, segment.since = candidate.kind.blocks, 0
-        was_brief = segment.level_blocks < QUIET.blocks
-        resume_level(s, candidate)
-        update_rest(s, candidate, 1.0)
-        if was_brief:
-            begin_slide(s)
+    elif goes_on:
+        continue_segment(c, s, candidate)
     else:
-        segment.blocks = candidate.kind.blocks
-        follow_level(s)
-        segment.since += 1
-        if segment.since >= UPDATE_BLOCKS:
-            let_drift(c, s)
-            lengthen(c, s)
-            update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
-            follow_bias(c, s, UPDATE_BLOCKS * c.block_s)
+        begin_segment(c, s, candidate, is_certain=certain is not None)
     if certain is not None:
         keep_rests(s)
     if s.rest_probability > MEASURED and candidate is not None:
         learn_noise(c, s, candidate)
+
+
+def end_between_levels(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate, *, goes_on: bool) -> bool:
+    """End the segment by a window with blocks of two levels; return whether it is one, or its rate still changes."""
+    if s.segment.blocks == 0:
+        return slopes(c, s, candidate)
+    if not goes_on:
+        end_level(c, s)
+    return not goes_on
+
+
+def continue_segment(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
+    """Resume or lengthen a segment by a candidate that ends with this block."""
+    segment = s.segment
+    resumes, segment.blocks = segment.blocks == 0, candidate.kind.blocks
+    if resumes:
+        segment.since, was_brief = 0, segment.level_blocks < QUIET.blocks
+        resume_level(s, candidate)
+        update_rest(s, candidate, 1.0)
+        if was_brief:
+            begin_slide(s)
+        return
+    follow_level(s)
+    segment.since += 1
+    if segment.since >= UPDATE_BLOCKS:
+        let_drift(c, s)
+        lengthen(c, s)
+        update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
+        follow_bias(c, s, UPDATE_BLOCKS * c.block_s)
 
 
 def learn_noise(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
