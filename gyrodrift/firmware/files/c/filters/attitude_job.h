@@ -118,7 +118,7 @@ static inline void gd_attitude_learn(gd_attitude *a) {
     gd_attitude_begin_slide(a);
   }
   if (job->is_repeated) {
-    gd_attitude_follow_bias(a, GD_ATTITUDE_UPDATE_BLOCKS * a->c.block_s);
+    gd_attitude_follow_bias(a, (double)GD_ATTITUDE_UPDATE_BLOCKS * a->c.block_s);
   }
   if (job->is_certain) {
     gd_attitude_keep_rests(&a->sum);
