@@ -1,4 +1,4 @@
-"""What the filters of one axis and of three believe of parts, rests and turns before they have seen any.
+"""Beliefs of the filters of one axis and of three about parts, rests and turns before they have seen any.
 
 A rest lasts longer than t with probability 1/√(1 + (t/12 s)²), a constant turn with this probability to the power 1.5.
 """
