@@ -5,13 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.filters.attitude.block import Integrals
+from gyrodrift.filters.attitude.block import RAD, Integrals
 from gyrodrift.filters.attitude.predict import GRAVITY
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.values.arrays import Floats
-
-RAD = 0.017453292519943295
-"""A degree in rad. By definition: π/180."""
 
 GYRO_SPREAD = 0.15 * RAD
 ACCEL_SPREAD = 0.07
@@ -141,7 +138,7 @@ class AttitudeWitness:
         False from a contradiction by rates or accelerations until the sensor reports another state.
     refuted
         Number of contradictions.
-    against
+    contradictions
         Blocks that contradict, less a tenth for each that fits.
     blocks
         Blocks in a row that it calls still.
@@ -149,7 +146,7 @@ class AttitudeWitness:
 
     is_believed: bool = True
     refuted: int = 0
-    against: float = 0.0
+    contradictions: float = 0.0
     blocks: int = 0
 
 
