@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
+from gyrodrift.filters.attitude.model import AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.beliefs import MAX_RAMP_S, PARTS, SPINS_PER_DPS
 from gyrodrift.values.arrays import Floats, Mask

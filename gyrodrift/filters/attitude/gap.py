@@ -4,10 +4,10 @@ from math import radians
 
 import numpy as np
 
-from gyrodrift.filters.attitude.block import integrals, next_block
+from gyrodrift.filters.attitude.block import RAD, integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, UNDECIDED
 from gyrodrift.filters.attitude.mixture import merge_and_prune
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.rests import Segment
 from gyrodrift.filters.attitude.update import end_block, publish
 from gyrodrift.filters.attitude.velocity import forget_velocity

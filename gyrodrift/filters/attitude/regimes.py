@@ -8,10 +8,11 @@ velocity decide between the branches.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, SAME_RATE, must_agree, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
+from gyrodrift.filters.attitude.model import AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.beliefs import MAX_RAMP_S, duration_odds
 from gyrodrift.values.arrays import Floats

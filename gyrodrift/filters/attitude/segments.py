@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST, UNDECIDED
 from gyrodrift.filters.attitude.mixture import merge_and_prune
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.regimes import branch, is_same_rest, measure_rest, weigh_duration
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, RestCandidate, Segment, find_rest
 from gyrodrift.filters.attitude.vertical import (

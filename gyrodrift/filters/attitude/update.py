@@ -5,7 +5,7 @@ from math import degrees, sqrt
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
+from gyrodrift.filters.attitude.block import RAD, InertialBlock, Integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import (
     BIAS,
     FORCE_BIAS,
@@ -19,7 +19,7 @@ from gyrodrift.filters.attitude.hypotheses import (
 )
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.mixture import moments, ordered
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
 from gyrodrift.filters.attitude.regimes import REST_BIAS
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block

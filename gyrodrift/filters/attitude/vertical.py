@@ -6,9 +6,10 @@ a rest slowly is a turn that begins. The bias is then the one before it began to
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.evidence import SAME_RATE
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, Hypotheses
-from gyrodrift.filters.attitude.model import BLOCKS_PER_WINDOW, RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import BLOCKS_PER_WINDOW, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, LONGEST, QUIET, RestCandidate, Windows
 from gyrodrift.filters.restlevel.durations import GRADUAL_REST, GRADUAL_SPIN
 from gyrodrift.filters.restlevel.segments import (
