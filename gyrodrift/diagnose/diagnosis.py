@@ -20,15 +20,13 @@ from gyrodrift.diagnose.inference.halves import on_halves
 from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible, withdrawn
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
-from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
-from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
+from gyrodrift.diagnose.predictive_checks.rate_errors import rate_errors_of
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_impact_of
 from gyrodrift.diagnose.recording.facts import Contradiction, contradictions
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.stages import (
-    WHAT_NEXT,
     YAW_IMPACT,
     DiagnosisRequest,
     adopted,
@@ -88,9 +86,8 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         verdict = inferred.verdict
     explanation, subjects = inferred.explanation, simulated.subjects
     verdict = _with_negligible(verdict, subjects)
-    request.progress(WHAT_NEXT, 0, 0)
     untestable = named_apart(simulated.untestable, lacking)
-    following = what_next(verdict, explanation, subjects, untestable, request.rig, request.jobs)
+    following = what_next(verdict, explanation, subjects, untestable, request.rig)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
     request.progress(YAW_IMPACT, 0, 0)
@@ -115,9 +112,8 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         ranking=ranking(explanation),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
-        residuals=residual_checks_of(subjects, verdict.causes),
+        rate_errors=rate_errors_of(subjects, verdict.causes),
         baseline=baseline,
-        on_device=on_device_yaw(list(dict.fromkeys(origin.path for origin in origins)), request.reading),
         lacking=lacking,
     )
     return replace(result, seconds=time.monotonic() - begun_s)

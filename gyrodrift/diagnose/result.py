@@ -8,8 +8,7 @@ from gyrodrift.diagnose.inference.halves import Halves
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
-from gyrodrift.diagnose.predictive_checks.on_device import OnDeviceYaw
-from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
+from gyrodrift.diagnose.predictive_checks.rate_errors import RateErrors
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.lacking import LackingValues
@@ -76,12 +75,10 @@ class Diagnosis(ResultTable):
         Pooled z beyond which a feature deviates.
     features
         Features of recordings and simulator, in the order of FEATURES.
-    residuals
+    rate_errors
         Rate errors of some sessions, recorded and simulated.
     baseline
         Sessions of the baseline, calibrated like the sessions.
-    on_device
-        Errors of the filter that the device runs itself; None unless all sessions have its yaw.
     lacking
         Values that the sessions or the baseline lack; None without a baseline.
     halves
@@ -104,9 +101,8 @@ class Diagnosis(ResultTable):
     ranking: tuple[Ranked, ...]
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
-    residuals: ResidualChecks = field(repr=False)
+    rate_errors: RateErrors = field(repr=False)
     baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
-    on_device: OnDeviceYaw | None = None
     lacking: LackingValues | None = None
     halves: Halves | None = None
 

@@ -31,10 +31,10 @@ CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "d
 
 
 CHECKED, CALIBRATED, SEARCHED = "sessions checked", "rig calibrated to sessions", "search for causes"
-WHAT_NEXT, YAW_IMPACT, REPORT = "what to record next", "yaw errors and tuning", "report"
+YAW_IMPACT, REPORT = "yaw errors and tuning", "report"
 """Stages, as the progress names them."""
 
-SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEXT: 1.0, YAW_IMPACT: 2.0, REPORT: 3.0}
+SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, YAW_IMPACT: 2.0, REPORT: 3.0}
 """Share of each stage in the duration. Measured on 3 sessions of 5 minutes with 2 processes."""
 
 

@@ -180,13 +180,6 @@ def test_what_nothing_explains_is_placed_by_stage() -> None:
     assert "none is named, and rig.yaml has no new effect" in statement
 
 
-def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
-    names = ["".join(panel.itertext()) for panel in panels(html) if "change point" in "".join(panel.itertext())]
-    assert len(names) == 2
-    assert "1. session-011 change point: 1.5 min (0.25)" in names[0]
-    assert "2. session-02no change points" in names[1]
-
-
 def test_halves_that_disagree_are_a_warning(scaled: Diagnosis) -> None:
     halves = Halves(False, "not the same on both halves of the recordings: none on sessions 1, 3")
     statement = words(page("", [verdict(replace(scaled, halves=halves))]))
