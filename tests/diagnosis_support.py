@@ -11,7 +11,6 @@ from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.rate_errors import (
     Compared,
@@ -59,7 +58,7 @@ def diagnosis(away: Amounts) -> Diagnosis:
         seconds=12.5,
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
-        ranking=ranking(explanation),
+        posterior=explanation.posterior.probable_sets(),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, none, [design()] * SESSIONS),
         rate_errors=_rate_errors(),

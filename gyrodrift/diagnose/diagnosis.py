@@ -9,7 +9,6 @@ import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.diagnose.baseline_comparison import (
-    changes_since,
     explained_baseline,
     with_corrected_reference,
     without_baseline,
@@ -17,7 +16,6 @@ from gyrodrift.diagnose.baseline_comparison import (
 from gyrodrift.diagnose.inference.baseline import against_one
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.halves import on_halves
-from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible, withdrawn
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.rate_errors import rate_errors_of
@@ -72,20 +70,17 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
         origins, recordings = with_corrected_reference(explained.response, origins, recordings)
-        simulated_today = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
-        simulated = simulated_today._replace(
-            tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
-        )
+        simulated = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
+        tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
+        simulated = simulated._replace(tables=tables)
         inferred = inferred_of(simulated, request.jobs, request.progress, explained.background)
-        verdict, of_chance = changes_since(explained, simulated_today, inferred)
-        remarks += [*explained.remarks, *of_chance]
+        remarks += explained.remarks
         baseline = tuple(_session(subject) for subject in explained.subjects)
     else:
         simulated = simulated_of(request, origins, recordings)
         inferred = inferred_of(simulated, request.jobs, request.progress)
-        verdict = inferred.verdict
     explanation, subjects = inferred.explanation, simulated.subjects
-    verdict = _with_negligible(verdict, subjects)
+    verdict = _with_negligible(inferred.verdict, subjects)
     untestable = named_apart(simulated.untestable, lacking)
     following = what_next(verdict, explanation, subjects, untestable, request.rig)
     designs = [subject.design for subject in subjects]
@@ -109,7 +104,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
         rig_yaml=rig_yaml(with_stated_axes(_adopted(request.rig, verdict), stated)),
-        ranking=ranking(explanation),
+        posterior=explanation.posterior.probable_sets(),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         rate_errors=rate_errors_of(subjects, verdict.causes),

@@ -5,7 +5,7 @@ from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.halves import Halves
-from gyrodrift.diagnose.inference.ranking import Ranked
+from gyrodrift.diagnose.inference.posterior import ProbableSet
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.predictive_checks.rate_errors import RateErrors
@@ -69,8 +69,8 @@ class Diagnosis(ResultTable):
         Duration of the diagnosis.
     rig_yaml
         The rig with the causes switched on at their fitted sizes, as a file for `simulate` and `firmware_sim`.
-    ranking
-        The effects, the largest evidence first.
+    posterior
+        The sets of effects that have 0.95 of the probability together, the most probable first.
     threshold_z
         Pooled z beyond which a feature deviates.
     features
@@ -98,7 +98,7 @@ class Diagnosis(ResultTable):
     seconds: float
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
-    ranking: tuple[Ranked, ...]
+    posterior: tuple[ProbableSet, ...]
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     rate_errors: RateErrors = field(repr=False)

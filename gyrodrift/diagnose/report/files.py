@@ -51,6 +51,10 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": verdict.kind.value,
         "probability_none": _rounded(verdict.probability_none),
         "probability_unknown": _rounded(verdict.probability_unknown),
+        "posterior": [
+            {"effects": list(item.effects), "unknown": item.is_unknown, "probability": round(item.probability, 4)}
+            for item in diagnosis.posterior
+        ],
         "causes": [_cause(cause) for cause in verdict.causes],
         "negligible": [{**_cause(item.cause), "yaw_deg": round(item.yaw_deg, 4)} for item in verdict.negligible],
         "where": [_deviation(item) for item in verdict.where],

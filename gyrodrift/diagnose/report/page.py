@@ -21,16 +21,8 @@ from gyrodrift.report.provenance import Provenance, provenance
 
 def causes(diagnosis: Diagnosis) -> Section:
     """The section of the causes."""
-    verdict = diagnosis.verdict
-    marks = {
-        **{item.cause.effect.name: "negligible" for item in verdict.negligible},
-        **{name: "tied" for cause in verdict.causes for name in cause.tied_with},
-        **{cause.effect.name: "named" for cause in verdict.causes},
-    }
-    ranking = sorted(diagnosis.ranking, key=lambda ranked: (-round(ranked.probability, 2), -ranked.gain))
-    values = {"diagnosis": diagnosis, "words": text, "ranking": ranking, "marks": marks}
-    heading = "Which effect explains it" if verdict.where else "What each effect would explain"
-    return Section("diagnose/report/templates/causes.html", values, heading)
+    heading = "Which effect explains it" if diagnosis.verdict.where else "Which sets of effects are possible"
+    return Section("diagnose/report/templates/causes.html", {"diagnosis": diagnosis, "words": text}, heading)
 
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
