@@ -43,7 +43,6 @@ UNITS = {
     "times its neighbors": "power, over that of neighboring frequencies",
     "times as usual": "variance of the noisiest seconds, over the median",
     "of the encoder's": "largest rate, over that of the encoder",
-    "standard errors": "largest step, in standard errors",
     "jumps": "jumps of the angle",
     "samples": "samples missing in a row",
 }

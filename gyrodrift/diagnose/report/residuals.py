@@ -2,6 +2,7 @@
 
 from markupsafe import Markup
 
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.predictive_checks.rate_errors import RATE, Dependence
 from gyrodrift.diagnose.report.charts import dependence_chart, over_time_chart, spectrum_chart
 from gyrodrift.diagnose.report.text import marks
@@ -12,9 +13,8 @@ from gyrodrift.report.page import Section, marked, titled
 NAMED = 3
 """Largest number of dependences in the introduction. Chosen: more make a sentence hard to read."""
 
-NEGLIGIBLE_DPS = 2e-3
-"""RMS below which a dependence is practically negligible, deg/s. Derived: the relevance threshold of a bias that
-depends on angle or direction, `features/columns.py`."""
+NEGLIGIBLE_DPS = FEATURES[NUMBER["direction"]].threshold
+"""RMS below which a dependence is practically negligible, deg/s: that of a bias that depends on the direction."""
 
 
 def residuals(diagnosis: Diagnosis) -> Section:

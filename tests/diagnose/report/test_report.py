@@ -65,7 +65,7 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
     order += [
         "Cause: scale_factor",
         "error 5",
-        "Sim-to-real gap on held-out sessions, RMS over 96 features closed by the correction",
+        f"Sim-to-real gap on held-out sessions, RMS over {len(scaled.features)} features closed by the correction",
         "Mean absolute yaw error with one and the same filter recordings 12.5°",
         "RMS yaw error of the real sessions with a filter tuned in simulation tuned in the corrected simulator",
         "What to record next.",
