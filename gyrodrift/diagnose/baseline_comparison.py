@@ -20,7 +20,7 @@ from gyrodrift.diagnose.recording.levels import LEAST_GAPS, has_steps, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, reference_response_of
 from gyrodrift.diagnose.simulate.candidate import Touches
-from gyrodrift.diagnose.simulate.distribute import Origin
+from gyrodrift.diagnose.simulate.distribute import SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.stages import (
@@ -29,7 +29,6 @@ from gyrodrift.diagnose.stages import (
     inferred_of,
     recordings_of,
     simulated_of,
-    tables_of,
     with_facts,
     with_recorded_axes,
 )
@@ -157,17 +156,16 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     DataError
         If no recording of the baseline can be used.
     """
-    origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
+    of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
     temp_c = _constant_temp_c(of_baseline, recordings)
-    origins = [origin._replace(temp_c=temp_c) for origin in origins]
     of_baseline = [recording if temp_c is None else recording.at_temperature(temp_c) for recording in of_baseline]
     response = _response_of(of_baseline, recordings)
-    origins, of_baseline = with_corrected_reference(response, origins, of_baseline)
+    of_baseline = with_corrected_reference(response, of_baseline)
     base = request.rig.base
     rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
     rig = with_recorded_axes(rig, [*of_baseline, *recordings])
     own = request._replace(rig=rig)
-    simulated = simulated_of(own, origins, of_baseline)
+    simulated = simulated_of(own, of_baseline)
     inferred = inferred_of(simulated, request.jobs, request.progress)
     causes = [cause for cause in inferred.verdict.causes if cause.probability >= _adopted_from(cause)]
     in_rig = {cause.effect.name for cause in causes}
@@ -177,7 +175,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
         subjects = [subject_of(recording, rig) for recording in of_baseline]
-        tables = tables_of(own._replace(rig=rig), origins, subjects, ())
+        tables = response_tables(SimulationPlan(tuple(subjects), ()), request.jobs, request.progress)
     if request.rig.base.three_axes is not None and rig.base.three_axes is None:
         remarks.append("its recordings have one axis: the yaw rate alone is compared")
     remarks = [f"baseline: {remark}" for remark in remarks] + _remarks(causes, len(of_baseline), response)
@@ -225,13 +223,9 @@ def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recordin
     return reference_response_of(of_baseline)
 
 
-def with_corrected_reference(
-    response: ReferenceResponse | None, origins: Sequence[Origin], recordings: Sequence[Recording]
-) -> tuple[list[Origin], list[Recording]]:
-    """Recordings with a corrected reference, and their origins; unchanged without a response."""
-    if response is None:
-        return [*origins], [*recordings]
-    return [origin._replace(response=response) for origin in origins], [response.applied(item) for item in recordings]
+def with_corrected_reference(response: ReferenceResponse | None, recordings: list[Recording]) -> list[Recording]:
+    """Recordings with a corrected reference; unchanged without a response."""
+    return recordings if response is None else [response.applied(item) for item in recordings]
 
 
 def _adopted_from(cause: NamedCause) -> float:

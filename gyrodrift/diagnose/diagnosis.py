@@ -51,12 +51,12 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         If no session can be used; the message says why for each session.
     """
     begun_s = time.monotonic()
-    origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+    recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
     lacking = None
     if request.baseline:
         request, lacking = without_columns_of_one_set(request, recordings)
         if lacking.of_one_set:
-            origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+            recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
         remarks += lacking.remarks
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
@@ -69,15 +69,15 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
-        origins, recordings = with_corrected_reference(explained.response, origins, recordings)
-        simulated = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
+        recordings = with_corrected_reference(explained.response, recordings)
+        simulated = simulated_of(request, recordings, partial(against_one, baseline=explained.baseline))
         tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
         simulated = simulated._replace(tables=tables)
         inferred = inferred_of(simulated, request.jobs, request.progress, explained.background)
         remarks += explained.remarks
         baseline = tuple(_session(subject) for subject in explained.subjects)
     else:
-        simulated = simulated_of(request, origins, recordings)
+        simulated = simulated_of(request, recordings)
         inferred = inferred_of(simulated, request.jobs, request.progress)
     explanation, subjects = inferred.explanation, simulated.subjects
     verdict = _with_negligible(inferred.verdict, subjects)

@@ -85,16 +85,14 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
         for number, path in enumerate(paths[name]):
             write_simulation(path, Simulation(rig, MOTION, 5, number, minutes=1.0))
     withheld = frozenset(CATALOGUE) - {"scale_factor", "latency", "timestamp_jitter"}
-    request = DiagnosisRequest(
-        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
-    )
-    kept, recordings, _ = recordings_of(request.paths)
+    request = DiagnosisRequest(paths["today"], Rig(base=BASE), withheld, 1, lambda *_: None, baseline=paths["before"])
+    recordings, _ = recordings_of(request.paths)
     explained = explained_baseline(request, recordings)
     assert any("100 samples a second" in remark and "200" in remark for remark in explained.remarks)
     compared = explained.baseline.compared
     assert SLOW[compared].all()
     assert compared[NUMBER["rate"]]
-    simulated = simulated_of(request, kept, recordings)
+    simulated = simulated_of(request, recordings)
     tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     verdict = inferred_of(simulated._replace(tables=tables), 1).verdict
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
@@ -111,12 +109,10 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
                 path, Simulation(Rig(base=BASE, effects=effects), MOTION, 8, len(stem) + number, minutes=1.0)
             )
     withheld = frozenset(CATALOGUE) - {name}
-    request = DiagnosisRequest(
-        paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
-    )
-    kept, recordings, _ = recordings_of(request.paths)
+    request = DiagnosisRequest(paths["today"], Rig(base=BASE), withheld, 1, lambda *_: None, baseline=paths["before"])
+    recordings, _ = recordings_of(request.paths)
     explained = explained_baseline(request, recordings)
-    simulated = simulated_of(request._replace(rig=explained.rig), kept, recordings)
+    simulated = simulated_of(request._replace(rig=explained.rig), recordings)
     tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     return inferred_of(simulated._replace(tables=tables), 1, background=explained.background).verdict
 
