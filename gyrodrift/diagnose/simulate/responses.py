@@ -223,12 +223,6 @@ def _with_rest_of(first_features: Floats, base_features: Floats) -> Floats:
     return np.concatenate([first_features, base_features[len(first_features) :]])
 
 
-def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:
-    """Change of the features by a set of candidates that act together, in all sessions."""
-    pairs = enumerate(zip(subjects, tables, strict=True))
-    return together([change_in(effects, index, subject, table) for index, (subject, table) in pairs])
-
-
 def together(sessions: Sequence[SimulatedSet]) -> SimulatedSet:
     """Simulated sets of single sessions as one set."""
     changes = np.array([session.change for session in sessions])
