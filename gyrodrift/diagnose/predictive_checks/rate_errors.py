@@ -99,7 +99,8 @@ class Trend:
 
 def trend_of(x: Floats, y: Floats) -> Trend:
     """Medians of y in bins of x with about equal numbers of points; equal values share a bin. x is sorted."""
-    edges = np.searchsorted(x, np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1))[:-1])) if len(x) else []
+    quantiles = np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)[:-1]) if len(x) else np.zeros(0)
+    edges = np.searchsorted(x, np.unique(quantiles))
     rows = []
     for own_x, own_y in zip(np.split(x, edges), np.split(y, edges), strict=True):
         if len(own_x) >= LEAST:
@@ -241,5 +242,5 @@ def spectra_of(sessions: Sequence[ResidualSeries]) -> Spectra | None:
     if not every.shape[1]:
         return None
     density = [power_spectra(rows).mean(axis=0) * period_s / np.square(np.hanning(WINDOW)).sum() for rows in every]
-    hz = np.fft.rfftfreq(WINDOW, period_s)
+    hz: Floats = np.fft.rfftfreq(WINDOW, period_s).astype(np.float64)
     return Spectra(hz[2:-1], *(np.sqrt(values[2:-1]) for values in density))

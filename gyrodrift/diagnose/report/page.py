@@ -9,12 +9,12 @@ from gyrodrift.diagnose.export.formats import FormatExport
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report import text
 from gyrodrift.diagnose.report.features import features
-from gyrodrift.diagnose.report.files import PROFILE
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.residuals import residuals
 from gyrodrift.diagnose.report.tables import calibration, detectable, exported, glossary, negligible, sessions
 from gyrodrift.diagnose.report.text import in_rig
 from gyrodrift.diagnose.result import Diagnosis
+from gyrodrift.diagnose.what_next import FILE as PROFILE
 from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, provenance
 
