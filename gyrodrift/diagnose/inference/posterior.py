@@ -29,7 +29,7 @@ MEMBER = 0.2
 """Least probability of the first effect of a slot: a sum over many improbable effects names none of them. Chosen."""
 
 MASS = 0.95
-"""Probability of the sets of effects that are listed together. Convention."""
+"""Probability of the sets of effects that are listed together. Chosen, by convention: that of an interval."""
 
 RARE = 0.02
 """Probability below which an effect is not reported. Chosen: less than the prior, so the recordings speak against
