@@ -31,7 +31,7 @@ MOST_EFFECTS = 3
 BEAM = 6
 """Number of sets that are extended by one effect. Chosen: for speed."""
 
-FITTED = 2 * BEAM
+FITTED = 3 * BEAM
 """Number of sets of one size whose points are fitted together. Chosen: for speed."""
 
 LIKELIHOOD_POWER = 0.5
