@@ -27,6 +27,7 @@ def pass_gap(c: AttitudeCoefficients, s: AttitudeState, step_s: float, gyro: Vec
     h.cov[:, BIAS, BIAS] += min(c.walk_var * seconds, c.bias_sigma**2) * np.eye(3)
     h.regime[:] = UNDECIDED
     forget_velocity(h)
+    s.lived_s += step_s
     s.windows.blocks, s.segment = 0, Segment()
     s.gyro_dps, s.suspect_s = gyro, 0.0
     if count_gap(s.watch, step_s) and c.bias_sigma > 0.0:

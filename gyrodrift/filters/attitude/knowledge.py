@@ -1,0 +1,64 @@
+"""Memory and temperature on three axes, by the rules of restlevel for each axis.
+
+`restlevel.memory` says which biases to begin with, and `restlevel.temperature` how a bias follows the temperature.
+Here both act on the hypotheses of three axes.
+"""
+
+import numpy as np
+
+from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.evidence import JUMP_SHARE
+from gyrodrift.filters.attitude.hypotheses import BIAS, REST
+from gyrodrift.filters.attitude.mixture import ordered
+from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.witness import STILL
+from gyrodrift.filters.restlevel.bias_state import MAX_REMEMBERED
+from gyrodrift.filters.restlevel.model import UNKNOWN_C
+from gyrodrift.filters.restlevel.recall import note_sure_rest
+from gyrodrift.filters.restlevel.temperature import follow_line, learn_level
+
+
+def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Add hypotheses for the remembered biases to that of an unknown sensor, which keeps the other probability.
+
+    A bias that has jumped about the vertical alone looks like an even turn of a known sensor. So the most probable
+    remembered bias also has a hypothesis whose vertical component is unknown again.
+    """
+    slots = [[axis.remembered[index] for axis in s.axes] for index in range(MAX_REMEMBERED)]
+    slots = sorted(
+        (slot for slot in slots if min(bias.weight for bias in slot) > 0.0), key=lambda slot: -slot[0].weight
+    )
+    if not slots:
+        return
+    h = s.hypotheses.select([0] * (2 + len(slots)))
+    up = rotation_matrices(h.q[:1])[0, 2]
+    for index, slot in enumerate((slots[0], *slots), 1):
+        h.weight[index] = slot[0].weight * (1.0 - JUMP_SHARE)
+        h.bias[index] = np.radians([bias.bias_dps for bias in slot])
+        h.cov[index, BIAS, BIAS] = np.diag([RAD**2 * bias.bias_var + c.walk_var for bias in slot])
+        h.knows_bias[index] = True
+    remembered = sum(slot[0].weight for slot in slots)
+    h.weight[:2] = 1.0 - remembered, JUMP_SHARE * remembered
+    h.cov[1, BIAS, BIAS] += c.bias_sigma**2 * np.outer(up, up)
+    s.hypotheses = ordered(h)
+
+
+def follow_temperature(s: AttitudeState, seconds: float) -> None:
+    """Move the biases of hypotheses in motion along the lines of their axes; `seconds` is the length of the block."""
+    if s.temp_c == UNKNOWN_C:
+        return
+    steps = np.array([follow_line(axis.line, s.temp_c, s.rest_probability, seconds) for axis in s.axes])
+    h = s.hypotheses
+    is_moving = h.knows_bias & ((h.regime != REST) | (s.segment.blocks == 0))
+    h.bias[is_moving] += np.radians(steps[:, 0])
+    h.cov[is_moving, BIAS, BIAS] += RAD**2 * np.diag(steps[:, 1])
+
+
+def learn_when_sure(c: AttitudeCoefficients, s: AttitudeState, seconds: float) -> None:
+    """Keep the biases of a sure rest, and measure their lines every ten seconds of it."""
+    is_certain = s.witness.is_believed and s.witness.blocks >= STILL.blocks
+    of_axes = zip(s.axes, s.bias_xyz_dps, s.bias_sigma_xyz_dps, strict=True)
+    for axis, bias_dps, sigma_dps in of_axes:
+        values = (s.rest_probability, bias_dps, sigma_dps * sigma_dps, s.temp_c, s.lived_s)
+        if note_sure_rest(axis.sure, *values, seconds, is_certain):
+            learn_level(axis.line, axis.sure, seconds, c.walk_var / RAD**2)
