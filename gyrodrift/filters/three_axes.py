@@ -132,7 +132,7 @@ def _learned(s: AttitudeState, mount: Mount, before: RestlevelMemory | None, age
 
 
 def turned_axes(axes: list[AxisKnowledge], turn: Callable[[Vector], Vector]) -> list[AxisKnowledge]:
-    """Copies of what is known of x, y and z, as x, y and z of another frame; `turn` turns its vectors by right angles."""
+    """Copies of the knowledge of x, y and z in another frame; `turn` turns vectors into it, by right angles."""
     numbers = turn((1.0, 2.0, 3.0))
     return [_signed(deepcopy(axes[round(abs(number)) - 1]), number / abs(number)) for number in numbers]
 

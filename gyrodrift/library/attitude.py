@@ -137,7 +137,8 @@ class AttitudeFilter(SecondSources):
     ) -> AttitudeEstimate:
         """Take a sample: rates in deg/s, accelerations in m/s² (NaN if missing) and its device time in s.
 
-        `temp_c` is the temperature of the sensor in °C: the biases follow it. The sensor frame is right-handed; a sensor that lies flat measures +9.81 m/s² on z.
+        `temp_c` is the temperature of the sensor in °C, which the biases follow. The sensor frame is right-handed; a
+        sensor that lies flat measures +9.81 m/s² on z.
         """
         gx, gy, gz = map(float, gyro_dps)
         ax, ay, az = map(float, accel_mps2)

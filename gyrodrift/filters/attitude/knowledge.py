@@ -7,10 +7,11 @@ Here both act on the hypotheses of three axes.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.evidence import JUMP_SHARE
+from gyrodrift.filters.attitude.evidence import JUMP_SHARE, MODEL_ERROR, normal_density
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST
 from gyrodrift.filters.attitude.mixture import ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.segments import MEASURED
 from gyrodrift.filters.attitude.witness import STILL
 from gyrodrift.filters.restlevel.bias_state import MAX_REMEMBERED
 from gyrodrift.filters.restlevel.model import UNKNOWN_C
@@ -40,7 +41,35 @@ def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
     remembered = sum(slot[0].weight for slot in slots)
     h.weight[:2] = 1.0 - remembered, JUMP_SHARE * remembered
     h.cov[1, BIAS, BIAS] += c.bias_sigma**2 * np.outer(up, up)
-    s.hypotheses = ordered(h)
+    s.hypotheses, s.remembers = ordered(h), True
+
+
+def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Drop the remembered biases once an unknown sensor is more probable by the biases that it shows in motion.
+
+    The hypothesis of an unknown sensor begins with the prior of a bias. The density of its estimate at the remembered
+    bias, over that of the prior, is the odds that the motion adds to the memory (Dickey, Annals of Mathematical
+    Statistics 42(1), 1971). The weights show this too late: in them the velocity counts little. A rest ends the
+    comparison.
+    """
+    if not s.remembers:
+        return
+    h = s.hypotheses
+    unknown = np.flatnonzero(~h.knows_bias)[:1]
+    s.remembers = s.rest_probability <= MEASURED and len(unknown) > 0
+    if not s.remembers:
+        return
+    slot = max(range(MAX_REMEMBERED), key=lambda index: s.axes[0].remembered[index].weight)
+    remembered = np.array([(axis.remembered[slot].bias_dps, axis.remembered[slot].bias_var) for axis in s.axes])
+    error = np.diag(remembered[:, 1] + MODEL_ERROR**2)
+    off = np.degrees(h.bias[unknown[0]]) - remembered[:, 0]
+    found = normal_density(off, h.cov[unknown[0], BIAS, BIAS] / RAD**2 + error)
+    prior = normal_density(remembered[:, 0], (c.bias_sigma / RAD) ** 2 * np.eye(3) + error)
+    weight = sum(bias.weight for bias in s.axes[0].remembered)
+    if weight * found < (1.0 - weight) * prior:
+        h = h.select(~h.knows_bias)
+        h.weight = h.weight / h.weight.sum()
+        s.hypotheses, s.remembers = h, False
 
 
 def follow_temperature(s: AttitudeState, seconds: float) -> None:
@@ -52,6 +81,10 @@ def follow_temperature(s: AttitudeState, seconds: float) -> None:
     is_moving = h.knows_bias & ((h.regime != REST) | (s.segment.blocks == 0))
     h.bias[is_moving] += np.radians(steps[:, 0])
     h.cov[is_moving, BIAS, BIAS] += RAD**2 * np.diag(steps[:, 1])
+    if s.remembers:
+        for axis, (step_dps, more_var) in zip(s.axes, steps.tolist(), strict=True):
+            for slot in axis.remembered:
+                slot.bias_dps, slot.bias_var = slot.bias_dps + step_dps, slot.bias_var + more_var
 
 
 def learn_when_sure(c: AttitudeCoefficients, s: AttitudeState, seconds: float) -> None:

@@ -124,8 +124,9 @@ class AttitudeState:
         Last temperature, °C; UNKNOWN_C before the first.
     lived_s
         Time since the first sample up to the present block, s.
-    axes
-        Remembered biases, bias against temperature and sure rests of x, y and z.
+    axes, remembers
+        Remembered biases, bias against temperature and sure rests of x, y and z. Whether hypotheses have a remembered
+        bias that no rest has confirmed.
     """
 
     t_s: float = 0.0
@@ -162,6 +163,7 @@ class AttitudeState:
     temp_c: float = UNKNOWN_C
     lived_s: float = 0.0
     axes: list[AxisKnowledge] = field(default_factory=three_axes)
+    remembers: bool = False
 
     @property
     def tilt_deg(self) -> float:

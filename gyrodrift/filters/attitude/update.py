@@ -18,7 +18,12 @@ from gyrodrift.filters.attitude.hypotheses import (
     Hypotheses,
     first_hypothesis,
 )
-from gyrodrift.filters.attitude.knowledge import begin_remembered, follow_temperature, learn_when_sure
+from gyrodrift.filters.attitude.knowledge import (
+    begin_remembered,
+    drop_wrong_memory,
+    follow_temperature,
+    learn_when_sure,
+)
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
@@ -81,6 +86,7 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
         bound_velocity(s, block.seconds, is_still=s.segment.blocks > 0)
     add_block(s.windows, block)
     follow_rest(c, s)
+    drop_wrong_memory(c, s)
     s.hypotheses = ordered(s.hypotheses)
     unwrap_headings(s.hypotheses)
     publish(s)

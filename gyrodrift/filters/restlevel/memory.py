@@ -13,7 +13,7 @@ expected variance. The ratio is clipped at nine, so that an outlier counts littl
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import exp
 from typing import Annotated, Any
 
@@ -153,20 +153,21 @@ def learned_of(
         _learned_axis(axis, noise, lived_s, kept[index] if index < len(kept) else None, age_s)
         for index, axis in enumerate(axes)
     )
-    return RestlevelMemory(**z, **{name: AxisMemory(**values) for name, values in zip("xy", level, strict=False)})
+    values: dict[str, Any] = {entry.name: getattr(z, entry.name) for entry in fields(z)}
+    return RestlevelMemory(**values | dict(zip("xy", level, strict=False)))
 
 
 def _learned_axis(
     axis: RestlevelState | AxisKnowledge, noise: NoiseModel, lived_s: float, before: AxisMemory | None, age_s: float
-) -> dict[str, Any]:
-    """Fields of the memory of an axis after a run."""
+) -> AxisMemory:
+    """Memory of an axis after a run."""
     sure = axis.sure
     first_age_s = lived_s - sure.first_s
     start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _known_temp(sure.first_c), first_age_s)
     kept = () if before is None else before.first[: STARTS_KEPT - 1]
     older = [RememberedStart(rest.bias_dps, rest.bias_sigma_dps, rest.temp_c, rest.age_s + age_s) for rest in kept]
     factor, starts = _drift_factor(axis, before)
-    return dict(
+    return AxisMemory(
         bias_dps=sure.bias_dps,
         bias_sigma_dps=max(0.0, sure.bias_var) ** 0.5,
         temp_c=_known_temp(sure.temp_c),

@@ -25,7 +25,7 @@ def fed(run: FilterRun, rates_dps: Floats, temp_c: Floats | None = None, seed: i
     """Samples of a level device with noise; rates have the shape (n, 3) and contain the bias."""
     rng = np.random.default_rng(seed)
     gyro_dps = rates_dps + rng.normal(0.0, 0.05, rates_dps.shape)
-    accel_mps2 = (0.0, 0.0, 9.81) + rng.normal(0.0, 0.02, rates_dps.shape)
+    accel_mps2 = rng.normal(0.0, 0.02, rates_dps.shape) + np.array((0.0, 0.0, 9.81))
     temps = np.full(len(gyro_dps), np.nan) if temp_c is None else temp_c
     first_s = run.state.t_s + 1.0 / RATE_HZ
     for n, (g, a, warm_c) in enumerate(zip(gyro_dps.tolist(), accel_mps2.tolist(), temps.tolist(), strict=True)):
