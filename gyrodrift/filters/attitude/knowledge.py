@@ -11,7 +11,6 @@ from gyrodrift.filters.attitude.evidence import JUMP_SHARE, MODEL_ERROR, normal_
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST
 from gyrodrift.filters.attitude.mixture import ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
-from gyrodrift.filters.attitude.segments import MEASURED
 from gyrodrift.filters.attitude.witness import STILL
 from gyrodrift.filters.restlevel.bias_state import MAX_REMEMBERED
 from gyrodrift.filters.restlevel.model import UNKNOWN_C
@@ -49,27 +48,24 @@ def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
 
     The hypothesis of an unknown sensor begins with the prior of a bias. The density of its estimate at the remembered
     bias, over that of the prior, is the odds that the motion adds to the memory (Dickey, Annals of Mathematical
-    Statistics 42(1), 1971). The weights show this too late: in them the velocity counts little. A rest ends the
-    comparison.
+    Statistics 42(1), 1971). The weights show this too late: in them the velocity counts little. The first rest
+    candidate ends the comparison, and decides itself.
     """
-    if not s.remembers:
-        return
     h = s.hypotheses
-    unknown = np.flatnonzero(~h.knows_bias)[:1]
-    s.remembers = s.rest_probability <= MEASURED and len(unknown) > 0
+    s.remembers = s.remembers and s.segment.blocks == 0 and not h.knows_bias.all()
     if not s.remembers:
         return
     slot = max(range(MAX_REMEMBERED), key=lambda index: s.axes[0].remembered[index].weight)
     remembered = np.array([(axis.remembered[slot].bias_dps, axis.remembered[slot].bias_var) for axis in s.axes])
     error = np.diag(remembered[:, 1] + MODEL_ERROR**2)
-    off = np.degrees(h.bias[unknown[0]]) - remembered[:, 0]
-    found = normal_density(off, h.cov[unknown[0], BIAS, BIAS] / RAD**2 + error)
+    unknown = int(h.knows_bias.argmin())
+    off = np.degrees(h.bias[unknown]) - remembered[:, 0]
+    found = normal_density(off, h.cov[unknown, BIAS, BIAS] / RAD**2 + error)
     prior = normal_density(remembered[:, 0], (c.bias_sigma / RAD) ** 2 * np.eye(3) + error)
     weight = sum(bias.weight for bias in s.axes[0].remembered)
     if weight * found < (1.0 - weight) * prior:
-        h = h.select(~h.knows_bias)
-        h.weight = h.weight / h.weight.sum()
-        s.hypotheses, s.remembers = h, False
+        s.hypotheses, s.remembers = h.select([unknown]), False
+        s.hypotheses.weight[0] = 1.0
 
 
 def follow_temperature(s: AttitudeState, seconds: float) -> None:

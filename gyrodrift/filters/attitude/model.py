@@ -126,7 +126,7 @@ class AttitudeState:
         Time since the first sample up to the present block, s.
     axes, remembers
         Remembered biases, bias against temperature and sure rests of x, y and z. Whether hypotheses have a remembered
-        bias that no rest has confirmed.
+        bias, and there was no rest candidate yet.
     """
 
     t_s: float = 0.0
