@@ -44,12 +44,16 @@ OWN = {
 }
 """Constants that only C has."""
 
+OF_RESTLEVEL = ("re*.h", "bias_*.h")
+"""Parts with constants of restlevel."""
+
 NUMBER = re.compile(r"#define (GD_[A-Z0-9_]+) +(?:GD_R\()?(-?[0-9][0-9.e+-]*)\)?(?:\s|$)")
 
 
-def in_c(pattern: str) -> dict[str, float]:
+def in_c(*patterns: str) -> dict[str, float]:
     """Numeric constants of the parts whose names match."""
-    lines = [line for part in sorted(FILTERS_FOLDER.glob(pattern)) for line in part.read_text().splitlines()]
+    parts = [part for pattern in patterns for part in sorted(FILTERS_FOLDER.glob(pattern))]
+    lines = [line for part in parts for line in part.read_text().splitlines()]
     return {match[1]: float(match[2]) for line in lines if (match := NUMBER.match(line.strip()))}
 
 
@@ -75,7 +79,7 @@ def assigned(path: Path) -> list[str]:
 
 def test_each_python_constant_has_its_value_in_c() -> None:
     """A change in Python fails here until C follows."""
-    ours, theirs = in_python(), in_c("re*.h")
+    ours, theirs = in_python(), in_c(*OF_RESTLEVEL)
     assert len(ours) > 90
     for name in set(ours) - set(ABSENT):
         if name in ("UNKNOWN_C", "UNSAID_C"):
@@ -86,14 +90,14 @@ def test_each_python_constant_has_its_value_in_c() -> None:
 def test_each_c_constant_is_one_of_python() -> None:
     """A constant that only C has needs an entry in OWN."""
     ours = in_python()
-    assert {name for name in in_c("re*.h") if name.removeprefix("GD_") not in ours} <= OWN
+    assert {name for name in in_c(*OF_RESTLEVEL) if name.removeprefix("GD_") not in ours} <= OWN
 
 
 def test_constants_with_a_name_in_c_are_equal() -> None:
     """An unknown temperature has two names."""
-    text = "".join(part.read_text() for part in FILTERS_FOLDER.glob("restlevel_*.h"))
+    text = "".join(part.read_text() for part in FILTERS_FOLDER.glob("bias_*.h"))
     assert "#define GD_UNKNOWN_C GD_UNSAID_C" in text
-    assert in_c("re*.h")["GD_UNSAID_C"] == in_python()["UNKNOWN_C"]
+    assert in_c(*OF_RESTLEVEL)["GD_UNSAID_C"] == in_python()["UNKNOWN_C"]
 
 
 def test_constants_of_c_alone_follow_from_those_of_python() -> None:
@@ -101,6 +105,6 @@ def test_constants_of_c_alone_follow_from_those_of_python() -> None:
     ours = in_python()
     text = (FILTERS_FOLDER / "restlevel_model.h").read_text()
     assert f"#else\n#define GD_RESTLEVEL_HYPOTHESES {int(ours['MAX_HYPOTHESES'])}\n" in text
-    assert in_c("re*.h")["GD_LOG_USUAL_NOISE"] == log(ours["USUAL_NOISE_DPS"])
-    assert in_c("re*.h")["GD_LEAST_REMEMBERED_VAR"] == memory.LEAST_VAR
-    assert in_c("re*.h")["GD_PI"] == pi
+    assert in_c(*OF_RESTLEVEL)["GD_LOG_USUAL_NOISE"] == log(ours["USUAL_NOISE_DPS"])
+    assert in_c(*OF_RESTLEVEL)["GD_LEAST_REMEMBERED_VAR"] == memory.LEAST_VAR
+    assert in_c(*OF_RESTLEVEL)["GD_PI"] == pi

@@ -54,6 +54,7 @@ static inline int gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_r
     }
   }
   gd_attitude_forget_velocity(a);
+  a->lived_s += step_s;
   a->windows.blocks = 0;
   memset(&a->segment, 0, sizeof a->segment);
   memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);
