@@ -67,8 +67,8 @@ class ThreeAxisFilter:
     coefficients, zero
         As in `Filter`.
     state
-        Takes the state of one axis and the mount, and returns the first state, at the same yaw, with its sigma and
-        with what a memory says.
+        Takes the state of one axis and the mount, and returns the first state. Yaw, its sigma and remembered biases are
+        those of the one axis.
     step
         Takes coefficients, state, device time in s, rates and accelerations, the still flag and the temperature in °C,
         both NaN if unknown; False if the sample is rejected.
@@ -115,7 +115,7 @@ def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
 
 
 def _attitude_after(before: RestlevelState, mount: Mount) -> AttitudeState:
-    axes = turned_axes([*before.level, AxisKnowledge(before.remembered, before.line)], mount.to_device)
+    axes = axes_in_frame([*before.level, AxisKnowledge(before.remembered, before.line)], mount.to_device)
     return AttitudeState(
         yaw_deg=before.yaw_deg,
         yaw_sigma_deg=before.yaw_sigma_deg,
@@ -126,19 +126,19 @@ def _attitude_after(before: RestlevelState, mount: Mount) -> AttitudeState:
 
 
 def _learned(s: AttitudeState, mount: Mount, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
-    x, y, z = turned_axes(s.axes, mount.to_sensor)
+    x, y, z = axes_in_frame(s.axes, mount.to_sensor)
     noise = NoiseModel(sample_var=0.0, angle_walk_var=s.noise_var / RAD / RAD)
     return learned_of((z, x, y), noise, s.lived_s, before, age_s)
 
 
-def turned_axes(axes: list[AxisKnowledge], turn: Callable[[Vector], Vector]) -> list[AxisKnowledge]:
+def axes_in_frame(axes: list[AxisKnowledge], turn: Callable[[Vector], Vector]) -> list[AxisKnowledge]:
     """Copies of the knowledge of x, y and z in another frame; `turn` turns vectors into it, by right angles."""
     numbers = turn((1.0, 2.0, 3.0))
     return [_signed(deepcopy(axes[round(abs(number)) - 1]), number / abs(number)) for number in numbers]
 
 
 def _signed(axis: AxisKnowledge, sign: float) -> AxisKnowledge:
-    """The same knowledge of an axis that points in the opposite direction if the sign is −1."""
+    """Knowledge of an axis, or with the sign −1 that of the opposite direction."""
     line, sure = axis.line, axis.sure
     for slot in axis.remembered:
         slot.bias_dps *= sign

@@ -3,13 +3,14 @@
 import shutil
 import subprocess
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from attitude_support import remembering
 from c_attitude_support import COMMAND, COUNTS, SIGMA, TEMPERATURE, TILT, YAW, in_python, samples, values_of
 from c_filter_support import (
     INTERLEAVINGS,
@@ -29,13 +30,8 @@ from six_axis_motions import MOTIONS
 from six_axis_support import record
 from support import quick
 
-from gyrodrift.filters.attitude.model import AttitudeState
-from gyrodrift.filters.restlevel.memory import AxisMemory, RestlevelMemory, begun
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.filters.three_axes import three_axis_version
 from gyrodrift.values.arrays import Floats
-from gyrodrift.values.mount import LEVEL
 
 DOUBLE_DEG = 1e-9
 """Largest yaw difference of double: numpy sums in another order."""
@@ -256,14 +252,6 @@ def test_even_turns_give_the_same_estimates(c_filters: CFilters, name: str) -> N
 def test_other_parameters_give_the_same_estimates(c_filters: CFilters, params: RestlevelParams) -> None:
     """Short and long blocks, no and large priors."""
     assert_the_same(c_filters, of_motion("arm", 30.0), params)
-
-
-def remembering(bias_dps: list[float], sigma_dps: list[float], age_s: float) -> AttitudeState:
-    """State of a filter that begins with these biases."""
-    x, y, z = (AxisMemory(*pair, None, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0) for pair in zip(bias_dps, sigma_dps, strict=True))
-    memory = RestlevelMemory(**asdict(z), x=x, y=y)
-    state: AttitudeState = three_axis_version(RESTLEVEL).state(begun(USUAL, memory, age_s, None), LEVEL)
-    return state
 
 
 @pytest.mark.parametrize(

@@ -150,7 +150,7 @@ def test_the_second_run_begins_with_the_biases_of_the_first_and_so_does_its_reco
     )
 
 
-def test_a_memory_of_one_axis_begins_anew_on_three(tmp_path: Path, short: HandMotion) -> None:
+def test_a_memory_of_one_axis_starts_empty_on_three(tmp_path: Path, short: HandMotion) -> None:
     memory = tmp_path / "memory.json"
     still = hand_motion(13.0, tilt_deg=0.0, yaw_deg=0.0, bias_dps=BIAS_DPS)
     served(tmp_path, still, "--memory", memory, "--axes", "1")

@@ -46,9 +46,9 @@ def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
 def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
     """Drop the remembered biases once an unknown sensor is more probable by the biases that it shows in motion.
 
-    The hypothesis of an unknown sensor begins with the prior of a bias. The density of its estimate at the remembered
-    bias, over that of the prior, is the odds that the motion adds to the memory (Dickey, Annals of Mathematical
-    Statistics 42(1), 1971). The weights show this too late: in them the velocity counts little. The first rest
+    The hypothesis of an unknown sensor begins with the prior of a bias. Its density at the remembered bias, over that
+    of the prior, multiplies the odds of the memory (Dickey, Annals of Mathematical Statistics 42(1), 1971). The weights
+    show this too late: in them the velocity counts little. The first rest
     candidate ends the comparison, and decides itself.
     """
     h = s.hypotheses
@@ -60,10 +60,10 @@ def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
     error = np.diag(remembered[:, 1] + MODEL_ERROR**2)
     unknown = int(h.knows_bias.argmin())
     off = np.degrees(h.bias[unknown]) - remembered[:, 0]
-    found = normal_density(off, h.cov[unknown, BIAS, BIAS] / RAD**2 + error)
+    posterior = normal_density(off, h.cov[unknown, BIAS, BIAS] / RAD**2 + error)
     prior = normal_density(remembered[:, 0], (c.bias_sigma / RAD) ** 2 * np.eye(3) + error)
     weight = sum(bias.weight for bias in s.axes[0].remembered)
-    if weight * found < (1.0 - weight) * prior:
+    if weight * posterior < (1.0 - weight) * prior:
         s.hypotheses, s.remembers = h.select([unknown]), False
         s.hypotheses.weight[0] = 1.0
 
