@@ -69,7 +69,7 @@ def test_memory(name: str) -> None:
             "right, 5 s old": remembering(bias_dps, (0.01,) * 3, 5.0),
             "an hour old, each axis off by 0.05": remembering(bias_dps + rng.normal(0.0, 0.05, 3), (0.01,) * 3, 3600.0),
             "wrong by 1 in each axis": remembering(bias_dps + 1.0, (0.01,) * 3, 3600.0),
-            "wrong by 1 about z alone": remembering(bias_dps + (0.0, 0.0, 1.0), (0.01,) * 3, 3600.0),
+            "wrong by 1 about z alone": remembering(bias_dps + np.array((0.0, 0.0, 1.0)), (0.01,) * 3, 3600.0),
         }
         for memory, state in states.items():
             errors = np.abs(heading_errors_deg(filtered(recorded, state).q, recorded.attitude))
@@ -87,9 +87,7 @@ def after_a_rest(recorded: Recorded, rng: np.random.Generator) -> Recorded:
         np.concatenate((recorded.t_s[0] + period_s * np.arange(-count, 0), recorded.t_s)),
         np.concatenate((gyro_dps, recorded.gyro_dps)),
         np.concatenate((accel_mps2, recorded.accel_mps2)),
-        Rotation.concatenate(
-            (Rotation.from_quat(np.tile(recorded.attitude[0].as_quat(), (count, 1))), recorded.attitude)
-        ),
+        Rotation.concatenate([recorded.attitude[0]] * count + [recorded.attitude]),
         np.concatenate((np.tile(recorded.bias_dps[0], (count, 1)), recorded.bias_dps)),
     )
 

@@ -56,5 +56,5 @@ def reopen(c: AttitudeCoefficients, s: AttitudeState) -> None:
     h.cov[:, :, BIAS] = 0.0
     h.cov[:, BIAS, BIAS] = c.bias_sigma**2 * np.eye(3)
     h.knows_bias[:] = False
-    s.windows.total = 0
+    s.windows.total, s.remembers = 0, False
     s.hypotheses = merge_and_prune(h)

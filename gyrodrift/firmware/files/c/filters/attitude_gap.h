@@ -35,6 +35,7 @@ static inline void gd_attitude_reopen(gd_attitude *a) {
     }
   }
   a->windows.total = 0;
+  a->remembers = 0;
 }
 
 /* Goes over a gap to a sample that comes `step_s` later with these rates; returns whether the bias was reopened. */
