@@ -17,6 +17,9 @@ from gyrodrift.filters.restlevel.model import UNKNOWN_C
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 from gyrodrift.filters.restlevel.temperature import follow_line, learn_level
 
+LEAST_DENSITY = 1e-30
+"""Smallest density of a bias, 1/(deg/s)³. Chosen: far below those that change the odds."""
+
 
 def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
     """Add hypotheses for the remembered biases to that of an unknown sensor, which keeps the other probability.
@@ -43,29 +46,35 @@ def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
     s.hypotheses, s.remembers = ordered(h), True
 
 
-def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
-    """Drop the remembered biases once an unknown sensor is more probable by the biases that it shows in motion.
+def weigh_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Probabilities of the memory, of a jump about the vertical and of an unknown sensor by the biases in motion.
 
-    The hypothesis of an unknown sensor begins with the prior of a bias. Its density at the remembered bias, over that
-    of the prior, multiplies the odds of the memory (Dickey, Annals of Mathematical Statistics 42(1), 1971). The weights
-    show this too late: in them the velocity counts little. The first rest
-    candidate ends the comparison, and decides itself.
+    The other two begin with wider priors, and contain the remembered bias m. Their density at m, over that of their
+    prior, multiplies the odds of the memory (Dickey, Annals of Mathematical Statistics 42(1), 1971). The velocity
+    alone changes the weights too late. The first rest candidate ends the comparison, and decides itself.
     """
-    h = s.hypotheses
-    s.remembers = s.remembers and s.segment.blocks == 0 and not h.knows_bias.all()
+    s.remembers = s.remembers and s.segment.blocks == 0
     if not s.remembers:
         return
+    h, prior_var = s.hypotheses, (c.bias_sigma / RAD) ** 2
     slot = max(range(MAX_REMEMBERED), key=lambda index: s.axes[0].remembered[index].weight)
-    remembered = np.array([(axis.remembered[slot].bias_dps, axis.remembered[slot].bias_var) for axis in s.axes])
-    error = np.diag(remembered[:, 1] + MODEL_ERROR**2)
+    remembered = [axis.remembered[slot] for axis in s.axes]
+    bias_dps = np.array([bias.bias_dps for bias in remembered])
+    error_var = np.array([bias.bias_var for bias in remembered]) + MODEL_ERROR**2
+    off, spread = np.degrees(h.bias) - bias_dps, h.cov[:, BIAS, BIAS] / RAD**2
     unknown = int(h.knows_bias.argmin())
-    off = np.degrees(h.bias[unknown]) - remembered[:, 0]
-    posterior = normal_density(off, h.cov[unknown, BIAS, BIAS] / RAD**2 + error)
-    prior = normal_density(remembered[:, 0], (c.bias_sigma / RAD) ** 2 * np.eye(3) + error)
+    jumped = int((h.knows_bias * np.trace(spread, axis1=1, axis2=2)).argmax())
     weight = sum(bias.weight for bias in s.axes[0].remembered)
-    if weight * posterior < (1.0 - weight) * prior:
-        s.hypotheses, s.remembers = h.select([unknown]), False
-        s.hypotheses.weight[0] = 1.0
+    odds = np.ones(len(h.weight))
+    odds[[unknown, jumped]] = (1.0 - weight) / weight / (1.0 - JUMP_SHARE), JUMP_SHARE / (1.0 - JUMP_SHARE)
+    odds[unknown] *= normal_density(bias_dps, np.diag(error_var + prior_var))
+    odds[unknown] /= normal_density(off[unknown], spread[unknown] + np.diag(error_var)) + LEAST_DENSITY
+    mean_var = float(error_var.mean())
+    odds[jumped] *= normal_density(np.zeros(3), np.diag((mean_var, mean_var, mean_var + prior_var)))
+    odds[jumped] /= normal_density(off[jumped], spread[jumped] + MODEL_ERROR**2 * np.eye(3)) + LEAST_DENSITY
+    is_other = np.isin(np.arange(len(odds)), (unknown, jumped))
+    odds[~is_other] = h.weight[~is_other] / h.weight[~is_other].sum()
+    h.weight = odds / odds.sum()
 
 
 def follow_temperature(s: AttitudeState, seconds: float) -> None:
