@@ -39,7 +39,7 @@ def filtered(recorded: Recorded, state: AttitudeState | None = None, temp_c: Flo
     rows, sigmas, yaws = [], [], []
     columns = (recorded.t_s, recorded.gyro_dps, recorded.accel_mps2, temps)
     for t_s, gyro, accel, warm_c in zip(*(column.tolist() for column in columns), strict=True):
-        step(c, s, t_s, *gyro, *accel, np.nan, warm_c)
+        step(c, s, t_s, *gyro, *accel, temp_c=warm_c)
         rows.append(s.q)
         yaws.append(s.yaw_deg)
         sigmas.append(s.yaw_sigma_deg)

@@ -197,7 +197,8 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
     precision = sum(1.0 / variance for variance in variances)
     restart_probability = _restart_probability(age_s + memory.age_s)
     weight = REMEMBERED_WEIGHT * (1.0 - restart_probability * _self_nulling(params, memory))
-    for axis, of_axis, expected in zip((state, *state.level), memory.axes, biases, strict=False):
+    axes: tuple[RestlevelState | AxisKnowledge, ...] = (state, *state.level)
+    for axis, of_axis, expected in zip(axes, memory.axes, biases, strict=False):
         axis.line.slope_dps_c, axis.line.slope_var = of_axis.slope_dps_c, of_axis.slope_sigma_dps_c**2
         for slot, (bias_dps, variance), total_var in zip(axis.remembered, expected, variances, strict=False):
             slot.weight = weight / total_var / precision
