@@ -51,7 +51,7 @@ static inline void gd_attitude_begin_remembered(gd_attitude *a) {
   gd_attitude_bring_forward(&a->sum);
 }
 
-/* Odds of a wider hypothesis that contains the remembered bias: its prior odds, times the density of its prior there over
+/* Odds of a wider hypothesis that contains the remembered bias: prior odds, times the density of its prior there over
    that of its estimate. The covariances are in (deg/s)^2. */
 static inline gd_real gd_attitude_odds(gd_real prior_odds, const gd_real prior_off[3], const gd_real prior[9],
                                        const gd_real off[3], const gd_real spread[9]) {
