@@ -17,9 +17,6 @@ from gyrodrift.filters.restlevel.model import UNKNOWN_C
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 from gyrodrift.filters.restlevel.temperature import follow_line, learn_level
 
-LEAST_DENSITY = 1e-30
-"""Smallest density of a bias, 1/(deg/s)³. Chosen: far below those that change the odds."""
-
 
 def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
     """Add hypotheses for the remembered biases to that of an unknown sensor, which keeps the other probability.
@@ -46,12 +43,12 @@ def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
     s.hypotheses, s.remembers = ordered(h), True
 
 
-def weigh_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
-    """Probabilities of the memory, of a jump about the vertical and of an unknown sensor by the biases in motion.
+def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Drop the remembered biases once a jump about the vertical or an unknown sensor is more probable in motion.
 
-    The other two begin with wider priors, and contain the remembered bias m. Their density at m, over that of their
-    prior, multiplies the odds of the memory (Dickey, Annals of Mathematical Statistics 42(1), 1971). The velocity
-    alone changes the weights too late. The first rest candidate ends the comparison, and decides itself.
+    Both begin with wider priors, and contain the remembered bias m. Their density at m, over that of their prior,
+    multiplies the odds of the memory (Dickey, Annals of Mathematical Statistics 42(1), 1971). The weights show this too
+    late: in them the velocity counts little. The first rest candidate ends the comparison, and decides itself.
     """
     s.remembers = s.remembers and s.segment.blocks == 0
     if not s.remembers:
@@ -65,16 +62,18 @@ def weigh_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
     unknown = int(h.knows_bias.argmin())
     jumped = int((h.knows_bias * np.trace(spread, axis1=1, axis2=2)).argmax())
     weight = sum(bias.weight for bias in s.axes[0].remembered)
-    odds = np.ones(len(h.weight))
-    odds[[unknown, jumped]] = (1.0 - weight) / weight / (1.0 - JUMP_SHARE), JUMP_SHARE / (1.0 - JUMP_SHARE)
-    odds[unknown] *= normal_density(bias_dps, np.diag(error_var + prior_var))
-    odds[unknown] /= normal_density(off[unknown], spread[unknown] + np.diag(error_var)) + LEAST_DENSITY
+    prior = (1.0 - weight) * normal_density(bias_dps, np.diag(error_var + prior_var))
+    density = normal_density(off[unknown], spread[unknown] + np.diag(error_var))
+    if weight * density < prior:
+        s.hypotheses, s.remembers = h.select([unknown]), False
+        s.hypotheses.weight[0] = 1.0
+        return
     mean_var = float(error_var.mean())
-    odds[jumped] *= normal_density(np.zeros(3), np.diag((mean_var, mean_var, mean_var + prior_var)))
-    odds[jumped] /= normal_density(off[jumped], spread[jumped] + MODEL_ERROR**2 * np.eye(3)) + LEAST_DENSITY
-    is_other = np.isin(np.arange(len(odds)), (unknown, jumped))
-    odds[~is_other] = h.weight[~is_other] / h.weight[~is_other].sum()
-    h.weight = odds / odds.sum()
+    prior = JUMP_SHARE * normal_density(np.zeros(3), np.diag((mean_var, mean_var, mean_var + prior_var)))
+    density = normal_density(off[jumped], spread[jumped] + MODEL_ERROR**2 * np.eye(3))
+    if len(h.weight) > 2 and (1.0 - JUMP_SHARE) * density < prior:
+        s.hypotheses = h.select([unknown, jumped])
+        s.hypotheses.weight = np.array((1.0 - weight, JUMP_SHARE * weight)) / (1.0 - weight + JUMP_SHARE * weight)
 
 
 def follow_temperature(s: AttitudeState, seconds: float) -> None:

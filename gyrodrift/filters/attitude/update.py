@@ -20,9 +20,9 @@ from gyrodrift.filters.attitude.hypotheses import (
 )
 from gyrodrift.filters.attitude.knowledge import (
     begin_remembered,
+    drop_wrong_memory,
     follow_temperature,
     learn_when_sure,
-    weigh_memory,
 )
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.mixture import moments, ordered
@@ -86,7 +86,7 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
         bound_velocity(s, block.seconds, is_still=s.segment.blocks > 0)
     add_block(s.windows, block)
     follow_rest(c, s)
-    weigh_memory(c, s)
+    drop_wrong_memory(c, s)
     s.hypotheses = ordered(s.hypotheses)
     unwrap_headings(s.hypotheses)
     publish(s)

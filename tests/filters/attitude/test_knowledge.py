@@ -5,6 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
+from hand_motion import hand_motion
 
 from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, knowledge
@@ -92,6 +93,18 @@ def test_a_wrong_memory_is_given_up_at_the_first_rest(memory: RestlevelMemory, c
     run = fed(run_with(memory), rest(6.0, bias_dps))
     assert run.state.bias_xyz_dps == pytest.approx(bias_dps, abs=0.05)
     assert abs(run.state.yaw_deg) < 0.5
+
+
+def test_a_wrong_memory_is_dropped_in_motion(memory: RestlevelMemory) -> None:
+    """A hand tilts another device, which never rests: gravity shows that its biases are others."""
+    motion, run = hand_motion(35.0, tilt_deg=25.0, bias_dps=(-0.7, 0.8, -0.5), rate_hz=RATE_HZ), run_with(memory)
+    columns = (motion.t_s, motion.gyro_dps, motion.accel_mps2)
+    for t_s, g, a in zip(*(column[350:].tolist() for column in columns), strict=True):
+        run.step(t_s, g[2], Inertial(*g, *a))
+        if t_s < 7.5:
+            assert run.state.bias_dps > 0.3
+    assert not run.state.remembers
+    assert run.state.bias_xyz_dps == pytest.approx((-0.7, 0.8, -0.5), abs=0.3)
 
 
 def test_a_run_without_a_sure_rest_is_not_remembered() -> None:

@@ -6,9 +6,6 @@
 #include "attitude_witness.h"
 #include "bias_memory.h"
 
-/* Smallest density of a bias, 1/(deg/s)^3. */
-#define GD_ATTITUDE_LEAST_DENSITY GD_R(1e-30)
-
 /* Give hypothesis number i of the sum the remembered biases. */
 static inline void gd_attitude_recall(gd_attitude *a, int i, gd_real weight) {
   gd_attitude_hypothesis *h = &a->sum.slot[i];
@@ -51,14 +48,6 @@ static inline void gd_attitude_begin_remembered(gd_attitude *a) {
   gd_attitude_bring_forward(&a->sum);
 }
 
-/* Odds of a wider hypothesis that contains the remembered bias: prior odds, times the density of its prior there over
-   that of its estimate. The covariances are in (deg/s)^2. */
-static inline gd_real gd_attitude_odds(gd_real prior_odds, const gd_real prior_off[3], const gd_real prior[9],
-                                       const gd_real off[3], const gd_real spread[9]) {
-  const gd_real prior_density = GD_EXP(gd_log_density(prior_off, prior, GD_R(0.0), 3));
-  return prior_odds * prior_density / (GD_EXP(gd_log_density(off, spread, GD_R(0.0), 3)) + GD_ATTITUDE_LEAST_DENSITY);
-}
-
 /* Bias of a hypothesis as distance from the remembered one, deg/s, and its covariance, (deg/s)^2. */
 static inline void gd_attitude_off_memory(gd_real off[3], gd_real spread[9], const gd_attitude *a,
                                           const gd_attitude_hypothesis *h) {
@@ -72,34 +61,33 @@ static inline void gd_attitude_off_memory(gd_real off[3], gd_real spread[9], con
   }
 }
 
-/* Odds of an unknown sensor against the memory by the biases that it shows in motion. */
-static inline gd_real gd_attitude_odds_of_unknown(const gd_attitude *a, const gd_attitude_hypothesis *h) {
-  const gd_real weight = a->remembered.weight, share = GD_R(1.0) - GD_ATTITUDE_JUMP_SHARE;
+/* Logarithm of the odds of an unknown sensor against the memory by the biases that it shows in motion: the density of
+   its prior at the remembered bias over that of its estimate. */
+static inline gd_real gd_attitude_log_odds_of_unknown(const gd_attitude *a, const gd_attitude_hypothesis *h) {
+  const gd_real model_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR, *bias = a->remembered.bias_dps;
+  const gd_real sigma_dps = a->c.bias_sigma / GD_ATTITUDE_RAD, weight = a->remembered.weight;
   gd_real prior[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, spread[9], off[3];
   int k;
   gd_attitude_off_memory(off, spread, a, h);
   for (k = 0; k < 3; k++) {
-    const gd_real error_var = a->remembered.bias_var[k] + GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR;
-    const gd_real sigma_dps = a->c.bias_sigma / GD_ATTITUDE_RAD;
-    prior[4 * k] = error_var + sigma_dps * sigma_dps;
-    spread[4 * k] += error_var;
+    prior[4 * k] = a->remembered.bias_var[k] + sigma_dps * sigma_dps;
+    spread[4 * k] += a->remembered.bias_var[k];
   }
-  return gd_attitude_odds((GD_R(1.0) - weight) / weight / share, a->remembered.bias_dps, prior, off, spread);
+  return GD_LOG((GD_R(1.0) - weight) / weight) + gd_log_density(bias, prior, model_var, 3) -
+         gd_log_density(off, spread, model_var, 3);
 }
 
-/* Odds of a jump about the vertical against the memory. */
-static inline gd_real gd_attitude_odds_of_jump(const gd_attitude *a, const gd_attitude_hypothesis *h) {
-  const gd_real share = GD_ATTITUDE_JUMP_SHARE, sigma_dps = a->c.bias_sigma / GD_ATTITUDE_RAD;
-  const gd_real zero[3] = {0, 0, 0}, *var = a->remembered.bias_var;
-  const gd_real model_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR;
+/* Likewise of a jump about the vertical. */
+static inline gd_real gd_attitude_log_odds_of_jump(const gd_attitude *a, const gd_attitude_hypothesis *h) {
+  const gd_real model_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR, share = GD_ATTITUDE_JUMP_SHARE;
+  const gd_real sigma_dps = a->c.bias_sigma / GD_ATTITUDE_RAD, *var = a->remembered.bias_var;
+  const gd_real zero[3] = {0, 0, 0};
   gd_real prior[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, spread[9], off[3];
   gd_attitude_off_memory(off, spread, a, h);
-  prior[0] = prior[4] = (var[0] + var[1] + var[2]) / GD_R(3.0) + model_var;
+  prior[0] = prior[4] = (var[0] + var[1] + var[2]) / GD_R(3.0);
   prior[8] = prior[0] + sigma_dps * sigma_dps;
-  spread[0] += model_var;
-  spread[4] += model_var;
-  spread[8] += model_var;
-  return gd_attitude_odds(share / (GD_R(1.0) - share), zero, prior, off, spread);
+  return GD_LOG(share / (GD_R(1.0) - share)) + gd_log_density(zero, prior, model_var, 3) -
+         gd_log_density(off, spread, model_var, 3);
 }
 
 /* Trace of the covariance of the bias; 0 for a hypothesis without a known one. */
@@ -109,30 +97,34 @@ static inline gd_real gd_attitude_known_spread(const gd_attitude_hypothesis *h) 
   return h->knows_bias ? spread[0] + spread[4] + spread[8] : GD_R(0.0);
 }
 
-/* Probabilities of the memory, of a jump about the vertical and of an unknown sensor by the biases in motion. The other
-   two contain the remembered bias. The first rest candidate ends the comparison, and decides itself. */
-static inline void gd_attitude_weigh_memory(gd_attitude *a) {
-  int i, jumped = 0;
+/* Drop the remembered biases once a jump about the vertical or an unknown sensor is more probable in motion. The first
+   rest candidate ends the comparison, and decides itself. */
+static inline void gd_attitude_drop_wrong_memory(gd_attitude *a) {
+  const gd_real weight = a->remembered.weight, jump = GD_ATTITUDE_JUMP_SHARE * weight;
+  uint8_t unknown = 0, jumped = 0;
+  int i;
   a->remembers = a->remembers && a->segment.blocks == 0;
   if (!a->remembers) {
     return;
   }
-  for (i = 1; i < a->sum.count; i++) {
-    const int is_wider =
-        gd_attitude_known_spread(gd_attitude_at(a, i)) > gd_attitude_known_spread(gd_attitude_at(a, jumped));
-    jumped = is_wider ? i : jumped;
-  }
   for (i = 0; i < a->sum.count; i++) {
-    gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    if (!h->knows_bias) {
-      h->weight = gd_attitude_odds_of_unknown(a, h);
-    } else if (i == jumped && a->sum.count > 2) {
-      h->weight = gd_attitude_odds_of_jump(a, h);
-    } else {
-      h->weight = GD_R(1.0);
-    }
+    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+    unknown = h->knows_bias ? unknown : a->sum.order[i];
+    jumped = i == 0 || gd_attitude_known_spread(h) > gd_attitude_known_spread(&a->sum.slot[jumped]) ? a->sum.order[i]
+                                                                                                   : jumped;
   }
-  gd_attitude_normalize(&a->sum);
+  if (gd_attitude_log_odds_of_unknown(a, &a->sum.slot[unknown]) > 0) {
+    a->sum.order[0] = unknown;
+    a->sum.count = 1;
+    a->sum.slot[unknown].weight = 1;
+    a->remembers = 0;
+  } else if (a->sum.count > 2 && gd_attitude_log_odds_of_jump(a, &a->sum.slot[jumped]) > 0) {
+    a->sum.order[0] = unknown;
+    a->sum.order[1] = jumped;
+    a->sum.count = 2;
+    a->sum.slot[unknown].weight = (GD_R(1.0) - weight) / (GD_R(1.0) - weight + jump);
+    a->sum.slot[jumped].weight = jump / (GD_R(1.0) - weight + jump);
+  }
 }
 
 /* Move the biases of hypotheses in motion along the lines of their axes. */
