@@ -171,12 +171,11 @@ class AttitudeFilter(SecondSources):
 
         times = _table("t_s", t_s, ())
         rates, forces = _table("gyro_dps", gyro_dps, (3,)), _table("accel_mps2", accel_mps2, (3,))
+        if not len(times) == len(rates) == len(forces):
+            raise UsageError(f"update_batch: {len(times)} times, {len(rates)} rates and {len(forces)} accelerations")
         temps = np.full(len(times), nan) if temp_c is None else _table("temp_c", temp_c, ())
-        if not len(times) == len(rates) == len(forces) == len(temps):
-            counts = (
-                f"{len(times)} times, {len(rates)} rates, {len(forces)} accelerations and {len(temps)} temperatures"
-            )
-            raise UsageError(f"update_batch: {counts}")
+        if len(temps) != len(times):
+            raise UsageError(f"update_batch: {len(times)} times and {len(temps)} temperatures")
         table = np.empty((len(AttitudeEstimate._fields), len(times)))
         columns = (rates.tolist(), forces.tolist(), times.tolist(), temps.tolist())
         for row, (rate, force, time, warm_c) in enumerate(zip(*columns, strict=True)):
