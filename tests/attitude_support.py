@@ -38,8 +38,8 @@ def filtered(recorded: Recorded, state: AttitudeState | None = None, temp_c: Flo
     temps = np.full(len(recorded.t_s), np.nan) if temp_c is None else temp_c
     rows, sigmas, yaws = [], [], []
     columns = (recorded.t_s, recorded.gyro_dps, recorded.accel_mps2, temps)
-    for t_s, gyro, accel, warm_c in zip(*(column.tolist() for column in columns), strict=True):
-        step(c, s, t_s, *gyro, *accel, temp_c=warm_c)
+    for t_s, (gx, gy, gz), (ax, ay, az), warm_c in zip(*(column.tolist() for column in columns), strict=True):
+        step(c, s, t_s, gx, gy, gz, ax, ay, az, temp_c=warm_c)
         rows.append(s.q)
         yaws.append(s.yaw_deg)
         sigmas.append(s.yaw_sigma_deg)
