@@ -5,6 +5,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
 
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES
 from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.bias_state import (
     UNSAID_C,
@@ -34,10 +35,6 @@ UNKNOWN_C = UNSAID_C
 
 COLDEST_C, WARMEST_C = -100.0, 200.0
 """Range of temperatures, °C. A value outside of it is ignored. Chosen: beyond the range of any part."""
-
-MAX_HYPOTHESES = 6
-"""Largest number of hypotheses after pruning. Each of them can branch into two at a segment. Chosen: eight gained at
-most 1 % (docs/blind-alleys.md)."""
 
 
 @dataclass(frozen=True, slots=True)

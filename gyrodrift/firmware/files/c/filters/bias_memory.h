@@ -2,7 +2,7 @@
 #ifndef GD_BIAS_MEMORY_H
 #define GD_BIAS_MEMORY_H
 
-#include "parts.h"
+#include "beliefs.h"
 
 #define GD_REMEMBERED_WEIGHT GD_R(0.95)      /* probability that nothing has happened to the sensor */
 #define GD_START_SHARE GD_R(0.1)             /* change by a restart, in sigmas of the turn-on bias */
