@@ -47,6 +47,7 @@ static inline void gd_attitude_begin_job(gd_attitude *a) {
   job->waits = job->is_divided;
   job->is_divided = 0;
   gd_attitude_integrals_of(&job->block, &a->block);
+  a->lived_s += (double)job->block.seconds;
   job->is_blind = a->block.is_clipped || !gd_are_finite(job->block.velocity);
   job->heading_deg = a->heading_deg;
   if (!job->is_at_gap) {
@@ -66,6 +67,7 @@ static inline void gd_attitude_begin_job(gd_attitude *a) {
 /* Widen the covariances, and level the attitude at the start. */
 static inline void gd_attitude_widen_all(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
+  gd_attitude_follow_temperature(a, job->block.seconds);
   gd_attitude_widen_by_tilt(a);
   gd_attitude_widen_by_motion(a, job->block.seconds);
   if (job->is_blind) {
@@ -126,6 +128,7 @@ static inline void gd_attitude_learn(gd_attitude *a) {
   if (job->is_found && a->rest_probability > GD_MAJORITY) {
     gd_attitude_learn_noise(a, &job->candidate);
   }
+  gd_attitude_drop_wrong_memory(a);
   gd_attitude_go_to(job, a->aid.variance > GD_R(0.0) ? GD_ATTITUDE_AID : GD_ATTITUDE_PUBLISH);
 }
 
@@ -138,8 +141,9 @@ static inline void gd_attitude_count_correction(gd_attitude *a) {
   }
 }
 
-/* Counts a sample and the report of a rest sensor with it. */
-static inline void gd_attitude_note_sample(gd_attitude *a, gd_real still) {
+/* Counts a sample and the report of a rest sensor with it, and takes its temperature. */
+static inline void gd_attitude_note_sample(gd_attitude *a, gd_real still, gd_real temp_c) {
+  a->temp_c = gd_is_temperature(temp_c) ? temp_c : a->temp_c;
   gd_count(&a->samples);
   a->block.still += still >= 1 && still <= 1;
   a->block.moving += still < 1 || still > 1;
@@ -160,6 +164,7 @@ static inline void gd_attitude_finish(gd_attitude *a) {
     }
     gd_attitude_count_turns(a);
     gd_attitude_publish(a);
+    gd_attitude_learn_when_sure(a, job->block.seconds);
     gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
   }
   if (!job->is_at_gap) {

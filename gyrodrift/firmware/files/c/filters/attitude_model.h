@@ -4,6 +4,7 @@
 
 #include "aid.h"
 #include "beliefs.h"
+#include "bias_line.h"
 #include "contradictions.h"
 #include "gaps.h"
 #include "parameters.h"
@@ -170,6 +171,12 @@ typedef struct {
   gd_real mean_up[3];                  /* mean vertical in the sensor */
   gd_real rest_up[3], moved_var;       /* vertical at the last rest, and largest squared distance from it since */
 } gd_attitude_motion;
+
+/* Biases of an earlier run: their probability, 0 without any, deg/s and (deg/s)^2. */
+typedef struct {
+  gd_real weight;
+  gd_real bias_dps[3], bias_var[3];
+} gd_attitude_remembered;
 
 /* Length of a block, s. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python: so the
    window is rounded to whole microseconds. */

@@ -86,7 +86,7 @@ static inline void gd_attitude_end_gap(gd_attitude *a) {
   gd_attitude_publish(a);
   gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
   gd_attitude_count_correction(a);
-  gd_attitude_note_sample(a, a->job.still);
+  gd_attitude_note_sample(a, a->job.still, a->job.temp_c);
 }
 
 /* Does the next portion. */

@@ -39,8 +39,8 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   s->longest_step_s = GD_FIRST_STEP_S;
 #endif
 #if GD_RESTLEVEL_AUXILIARY
-  s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
-  s->line.slope_var = GD_NEW_SLOPE_VAR;
+  s->temp_c = GD_UNKNOWN_C;
+  gd_begin_line(&s->line);
   s->witness.is_believed = 1;
 #endif
   return is_valid;
