@@ -11,7 +11,8 @@ from typing import Any, Protocol
 
 from gyrodrift.filters.aids.reading import AidedFilter
 from gyrodrift.filters.attitude.aided import AIDED
-from gyrodrift.filters.attitude.model import RAD, AttitudeState
+from gyrodrift.filters.attitude.block import RAD
+from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.step import coefficients as attitude_coefficients
 from gyrodrift.filters.attitude.step import step as attitude_step
 from gyrodrift.filters.attitude.zero import zero_yaw

@@ -7,10 +7,11 @@ Here both act on the hypotheses of three axes.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.evidence import JUMP_SHARE, MODEL_ERROR, normal_density
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST
 from gyrodrift.filters.attitude.mixture import ordered
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.witness import STILL
 from gyrodrift.filters.restlevel.bias_state import MAX_REMEMBERED
 from gyrodrift.filters.restlevel.model import UNKNOWN_C
