@@ -34,6 +34,7 @@ report = tuple[list[dict[str, Any]], list[dict[str, Any]]]
 
 def served(folder: Path, motion: HandMotion, *words: str | Path) -> report:
     link, session = folder / "gyro", motion.write(folder / "motion.csv")
+    link.unlink(missing_ok=True)  # of an earlier run
     with Command("replay", session, "--protocol", "native", "--link", link, "--speed", "max") as replay:
         replay.until(lambda _: link.is_symlink(), "port")
         with Command("serve", "--port", link, "--log-format", "json", *words) as serve:
