@@ -44,7 +44,7 @@ PARTS = {
         simulators_part.measure,
     ),
     "real_causes": Part(
-        "diagnose on real recordings whose cause is known, cases of each device", 0, 20, real_causes_part.measure
+        "diagnose on real recordings whose cause is known, cases of each device", 0, 6, real_causes_part.measure
     ),
     "planted": Part(
         "diagnose between halves of the recordings of a device, one with a planted flaw, cases",
