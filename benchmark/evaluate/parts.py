@@ -49,7 +49,7 @@ PARTS = {
     "planted": Part(
         "diagnose between halves of the recordings of a device, one with a planted flaw, cases",
         0,
-        20,
+        40,
         planted_part.measure,
     ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),

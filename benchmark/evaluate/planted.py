@@ -21,7 +21,7 @@ class PlantedFlaw:
     """One case.
 
     device
-        Key of `blind.rows.recordings.OWNED`.
+        Key of `blind.rows.recordings.OWNED` or `FURTHER`.
     effects
         Effects that describe the flaw, the first as it was planted; empty if nothing was changed.
     """
@@ -74,6 +74,26 @@ CASES = (
     PlantedFlaw("ramp of 1 deg/s", "lsm9ds0", SLOW, {"dps": 1.0}),
     PlantedFlaw("scale -1.5 %, 19 Hz", "benchy", ("scale_factor",), {"error_percent": -1.5}),
     PlantedFlaw("delay of 2 samples", "benchy", ("latency",), {"samples": 2.0}),
+    PlantedFlaw("nothing, MPU-6500", "mpu6500"),
+    PlantedFlaw("nothing, MPU-6050 at rest", "mpu6050_still"),
+    PlantedFlaw("nothing, DIODEM", "diodem"),
+    PlantedFlaw("nothing, OpenAXES", "openaxes"),
+    PlantedFlaw("nothing, BNO055", "dart"),
+    PlantedFlaw("nothing, car", "car"),
+    PlantedFlaw("scale +1.5 %, 40 Hz", "diodem", ("scale_factor",), {"error_percent": 1.5}),
+    PlantedFlaw("delay of 2 samples, 125 Hz", "openaxes", ("latency",), {"samples": 2.0}),
+    PlantedFlaw("limit of 120 deg/s", "dart", ("saturation",), {"limit_dps": 120.0}),
+    PlantedFlaw("1 % of the samples lost, with a counter", "mpu6050_still", ("sample_drop",), {"share_percent": 1.0}),
+    PlantedFlaw("delay of 3 samples, MPU-6500", "mpu6500", ("latency",), {"samples": 3.0}),
+    PlantedFlaw("scale -3 %", "car", ("scale_factor",), {"error_percent": -3.0}),
+    PlantedFlaw("low-pass of 5 Hz, 40 Hz", "diodem", ("bandwidth",), {"cutoff_hz": 5.0, "order": 1.0}),
+    PlantedFlaw("steps of 0.5 deg/s", "openaxes", ("quantization",), {"step_dps": 0.5}),
+    PlantedFlaw("3 % of the samples held, 10 Hz", "dart", ("stale_hold",), {"share_percent": 3.0}),
+    PlantedFlaw("ramp of 0.5 deg/s", "mpu6050_still", SLOW, {"dps": 0.5}),
+    PlantedFlaw("limit of 40 deg/s, MPU-6500", "mpu6500", ("saturation",), {"limit_dps": 40.0}),
+    PlantedFlaw("ramp of 1 deg/s, car", "car", SLOW, {"dps": 1.0}),
+    PlantedFlaw("delay of 2 samples, 40 Hz", "diodem", ("latency",), {"samples": 2.0}),
+    PlantedFlaw("scale +1.5 %, 125 Hz", "openaxes", ("scale_factor",), {"error_percent": 1.5}),
 )
 
 
