@@ -7,7 +7,7 @@ device keeps its own, unknown errors in both halves, which no simulated bench ha
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from blind.rows.recordings import Rows, recordings_of
+from blind.rows.recordings import LEAST_SET_S, Rows, recordings_of
 from blind.rows.tampering import tamper
 from gyrogap.physics.dice import Rng, plan_dice
 from gyrogap.physics.kinds import InjectedEffect
@@ -98,10 +98,22 @@ CASES = (
 
 
 def halves(flaw: PlantedFlaw) -> tuple[list[Rows], list[Rows]]:
-    """Recordings without and with the flaw: every second of the device; both empty without its files."""
+    """Recordings without and with the flaw: every second of the device; both empty without its files.
+
+    If these are too short, each recording goes to the shorter half, the longest first.
+    """
     recordings = recordings_of(flaw.device)
-    without, kept = recordings[0::2][:MOST_RECORDINGS], recordings[1::2][:MOST_RECORDINGS]
-    return list(without), [planted(flaw, rows, number) for number, rows in enumerate(kept)]
+    parts = recordings[0::2][:MOST_RECORDINGS], recordings[1::2][:MOST_RECORDINGS]
+    without, kept = ([*part] for part in parts)
+    if recordings and min(map(_seconds, (without, kept))) < LEAST_SET_S:
+        without, kept = [], []
+        for rows in sorted(recordings, key=lambda rows: -rows.seconds):
+            min(without, kept, key=_seconds).append(rows)
+    return without, [planted(flaw, rows, number) for number, rows in enumerate(kept)]
+
+
+def _seconds(recordings: list[Rows]) -> float:
+    return sum(rows.seconds for rows in recordings)
 
 
 def planted(flaw: PlantedFlaw, rows: Rows, number: int) -> Rows:

@@ -82,18 +82,20 @@ DEVICES = {
     "MPU-9150": Device(0.061, 36000),
     "BNO085": Device(0.1119, 4096),
     "car": Device(0.01, 36000),
-    "OpenAXES carpus": Device(0.001, 3_600_000),
-    "OpenAXES radius": Device(0.001, 3_600_000),
-    "DIODEM segment 1": Device(0.001, 3_600_000),
-    "DIODEM segment 2": Device(0.001, 3_600_000),
-    "DIODEM segment 3": Device(0.001, 3_600_000),
-    "DIODEM segment 4": Device(0.001, 3_600_000),
-    "DIODEM segment 5": Device(0.001, 3_600_000),
+    "OpenAXES carpus": Device(0.002, 3_600_000),
+    "OpenAXES radius": Device(0.002, 3_600_000),
+    "DIODEM segment 1": Device(0.0305, 3_600_000),
+    "DIODEM segment 2": Device(0.0305, 3_600_000),
+    "DIODEM segment 3": Device(0.0305, 3_600_000),
+    "DIODEM segment 4": Device(0.0305, 3_600_000),
+    "DIODEM segment 5": Device(0.0305, 3_600_000),
     "BNO055": Device(0.0607, 3_600_000),
     "navX": Device(0.061, 3_600_000),
 }
-"""Steps of the rate from data sheets and README; 0.1119 is 1/512 rad/s. Those of OpenAXES and DIODEM are filtered away;
-that of the BNO055 is the smallest difference of two of its rates. Optical references and robots are rounded to 1e-4°.
+"""Steps of the rate from data sheets and README; 0.1119 is 1/512 rad/s.
+
+OpenAXES and DIODEM have filtered them away: 16 bits of the stated ones hold their largest rates. That of the BNO055 is
+the smallest difference of its rates. Optical references and robots are rounded to 1e-4°.
 """
 
 ARRIVAL = "documented: stamped on arrival over radio, 2 to 19 ms apart; measured: lag-1 correlation of the intervals"

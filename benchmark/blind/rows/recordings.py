@@ -49,7 +49,8 @@ class Owned:
     piece_s
         Length of a piece.
     dps_per_lsb, noise_dps_rthz
-        Where they cannot be read off: the source has filtered the rate, or it is never calm.
+        Where they cannot be read off: the source has filtered the rate, or it is never calm. 16 bits of such a step
+        hold the largest rate.
     """
 
     pattern: str
@@ -73,8 +74,8 @@ OWNED = {
 """Devices from which two sets can be drawn at random."""
 
 FURTHER = {
-    "diodem": Owned("six/diodem_t2_*.npz", (39.0, 41.0), 3_600_000, 30.0, 3, "y", 22.0, 0.001, 0.01),
-    "openaxes": Owned("six/openaxes_*_radius.npz", (120.0, 130.0), 3_600_000, 30.0, 2, dps_per_lsb=0.001),
+    "diodem": Owned("six/diodem_t2_*.npz", (39.0, 41.0), 3_600_000, 30.0, 3, "y", 22.0, 0.0305, 0.01),
+    "openaxes": Owned("six/openaxes_*_radius.npz", (120.0, 130.0), 3_600_000, 30.0, 2, dps_per_lsb=0.002),
     "dart": Owned("aids/dart/dart_*.npz", (9.5, 10.5), 3_600_000, 30.0, 2, dps_per_lsb=0.0607, noise_dps_rthz=0.014),
     "car": Owned("real/smartloc_*.csv", (4.5, 5.5), 36000, 10.0, 2),
 }
