@@ -91,7 +91,7 @@ def is_nothing(case: LabeledCase) -> bool:
 def is_right(case: LabeledCase, gap: dict[str, Any]) -> bool:
     """Whether the verdict and the first cause of the report agree with the label."""
     if is_nothing(case):
-        return gap["verdict"] == "none"
+        return bool(gap["verdict"] == "none")
     return is_left_open(gap) if is_outside(case) else names_label_by_share(case, gap)
 
 
