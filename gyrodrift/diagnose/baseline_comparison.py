@@ -138,7 +138,7 @@ class ExplainedBaseline(NamedTuple):
     baseline
         The difference between the baseline and this rig.
     subjects, tables
-        Recordings of the baseline, calibrated to this rig, and their response tables.
+        Recordings of the baseline, calibrated to this rig, and their response tables without the difference.
     least_noise_dps_rthz
         Least noise that a recording of this device is calibrated to.
     remarks
@@ -196,6 +196,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     remarks = [f"baseline: {remark}" for remark in remarks] + _remarks(causes, len(of_baseline), response)
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
+    tables = without_baseline(tables, subjects, baseline)
     # If a device has less than half of the noise of its baseline, that is a gap, and it is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
@@ -291,7 +292,7 @@ def changes_since(before: ExplainedBaseline, simulated: Simulated, inferred: Con
     Out-of-catalog forms are tested like causes, because a device varies in these, too.
 
     simulated
-        Simulations of the recordings, without subtraction of the baseline.
+        Simulations of the recordings, with the baseline subtracted.
     """
     verdict, explanation = inferred
     is_form_of = {

@@ -74,12 +74,11 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
         origins, recordings = with_corrected_reference(explained.response, origins, recordings)
-        simulated_today = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
-        simulated = simulated_today._replace(
-            tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
-        )
+        simulated = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
+        tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
+        simulated = simulated._replace(tables=tables)
         inferred = inferred_of(simulated, request.jobs, request.progress, explained.background)
-        verdict, of_chance = changes_since(explained, simulated_today, inferred)
+        verdict, of_chance = changes_since(explained, simulated, inferred)
         remarks += [*explained.remarks, *of_chance]
         baseline = tuple(_session(subject) for subject in explained.subjects)
     else:

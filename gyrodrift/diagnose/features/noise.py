@@ -164,11 +164,13 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     ),
     Statistic(
         "tails_rest", "sensor", "rest", "the noise at rest has outliers", 0.01, "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
     ),
     Statistic(
         "tails_moving", "sensor", "moving", "the noise in motion has outliers", 0.01, "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
     ),
     Statistic(
         "spike_power", "sensor", "always", "single samples are outliers", 0.5,

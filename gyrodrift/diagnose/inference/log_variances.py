@@ -1,31 +1,10 @@
-"""Sums and scaling of feature changes: logarithms of variances add as variances, all other features directly."""
+"""Changes of the features at all sizes of an effect, from those at its simulated sizes."""
 
 import numpy as np
 
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, LOG_RANGE
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats, Integers
-
-LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
-"""Largest logarithm that is taken as a variance, and the least variance of a sum. Chosen: neither overflows nor becomes
-0."""
-
-LOGARITHMS = np.flatnonzero(IS_LOG)
-"""Indices of features that are logarithms of variances."""
-
-
-def combined(change: Floats, increment: Floats) -> Floats:
-    """Sum of two changes of the features, (…, F).
-
-    A change of a logarithm is that of a variance relative to the same base. If both variances grow, the increases add:
-    log(exp(a) + exp(b) - 1). Otherwise the logarithms add.
-    """
-    added: Floats = change + increment
-    first, second = (np.take(values, LOGARITHMS, axis=-1) for values in (change, increment))
-    powers = np.exp(np.clip(first, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(second, -LOG_RANGE, LOG_RANGE))
-    powers_sum = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
-    added[..., LOGARITHMS] = np.where((first > 0.0) & (second > 0.0), powers_sum, first + second)
-    return added
 
 
 def scaled(node: Floats, share: Floats) -> Floats:

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from gyrodrift.diagnose.features.vector import combined
 from gyrodrift.diagnose.inference.density import (
     Groups,
     log_densities,
@@ -14,7 +15,6 @@ from gyrodrift.diagnose.inference.density import (
 )
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.factors import explained
-from gyrodrift.diagnose.inference.log_variances import combined
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
