@@ -64,6 +64,10 @@ SHAPES, MOTIONS, ARRIVALS, REFERENCES, VIBRATIONS = 1, 2, 3, 4, 5
 """Keys of the random streams for added shapes, motions, arrivals, reference noise and vibration; effects have
 streams by name. Chosen: any five different numbers."""
 
+REBUILT_LEAST, REBUILT_MOST = 2, 8
+"""Rounds in which the motion is rebuilt from corrected angles; a round begins with the motion of the previous one. They
+end when no angle changes by a count. Chosen: a play of 2 degrees takes six, a disc off its center two."""
+
 VIBRATION_ROUNDS = 3
 """Rounds in which the share of the vibration in the noise is found. Chosen: the third is within its error."""
 
@@ -357,8 +361,10 @@ def corrected(cleaned: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[F
     if not sensor_model_of(rig).distorts_motion:
         return cleaned.encoder_deg, motion_posterior_of(cleaned, gyro)
     encoder_deg, rate_dps = cleaned.encoder_deg, restored_dps(rig, posterior.mean)
-    for _ in range(2):  # rounds; a round begins with the motion of the previous one
-        encoder_deg = angles_without_error(rig, cleaned.encoder_deg, posterior.mean)
+    for rounds in range(REBUILT_MOST):
+        before_deg, encoder_deg = encoder_deg, angles_without_error(rig, cleaned.encoder_deg, posterior.mean)
+        if rounds >= REBUILT_LEAST and float(np.abs(encoder_deg - before_deg).max()) < cleaned.step_deg:
+            break
         restored = replace(cleaned, rate_dps=cleaned.rate_dps + low_pass_loss_dps(rig, posterior.mean, rate_dps))
         posterior = motion_posterior_of(restored, gyro, encoder_deg)
         rate_dps = posterior.mean.rate_dps

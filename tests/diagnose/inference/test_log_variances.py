@@ -15,7 +15,7 @@ from gyrodrift.diagnose.features.vector import (
     combined,
     in_device,
 )
-from gyrodrift.diagnose.inference.log_variances import between_scaled
+from gyrodrift.diagnose.inference.log_variances import between_scaled, interpolated
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG & ~LINEAR)[0])].name
 POINTS, BETWEEN = np.array([1.0, 4.0, 16.0]), np.array([1.0, 2.0, 4.0, 7.0, 16.0, 20.0])
@@ -56,3 +56,11 @@ def test_a_device_that_wanders_anyway_hides_a_small_wander() -> None:
     assert change[NUMBER[LOG]] == pytest.approx(np.log(7.0 / 4.0))
     assert (change[NUMBER["equal_moving"]], change[NUMBER["rate"]]) == pytest.approx((0.1, 3.0))
     assert not in_device(row({}), offset, simulated).any()
+
+
+def test_a_share_of_samples_is_exact_between_simulated_sizes() -> None:
+    """A change of a root is a power of the size: 0.5 alone, and 1 beside a larger share."""
+    nodes = np.array([row({"equal_moving": 0.1 * point**0.5, "drop_share": 1e-3 * point}) for point in POINTS])
+    change = interpolated(TRIED, nodes)
+    assert change[:-1, NUMBER["equal_moving"]] == pytest.approx(0.1 * BETWEEN[:-1] ** 0.5)
+    assert change[:-1, NUMBER["drop_share"]] == pytest.approx(1e-3 * BETWEEN[:-1])
