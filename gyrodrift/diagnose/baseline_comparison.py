@@ -121,7 +121,11 @@ def _steps_dps(recordings: Sequence[Recording]) -> float | None:
     steps = [levels.step for levels in levels_of_each if levels.step is not None]
     if not levels_of_each:
         return None
-    return float(np.median(steps)) if 2 * len(steps) > len(levels_of_each) else 0.0
+    if 2 * len(steps) > len(levels_of_each):
+        return float(np.median(steps))
+    decimal = float(np.median([levels.text for levels in levels_of_each]))
+    # Decimals that round the noise away are steps, whoever rounds.
+    return decimal if decimal > 0.0 and _hide_noise(recordings, decimal) else 0.0
 
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
