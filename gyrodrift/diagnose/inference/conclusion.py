@@ -104,20 +104,20 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     pair = pair_in(effect_set.names)
     if pair is not None and name in pair:
         sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
-    quantile_sizes = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
-    low, median, high = with_form_error(*quantile_sizes, known_forms(profile.best.template)[0])
+    low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
+    low, high = with_form_error(low, median, high, known_forms(profile.best.template)[0])
     best = tried[response]
     variants = tuple((item.candidate, float(share)) for item, share in zip(tried, mass / mass.sum(), strict=True))
     return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high), variants)
 
 
-def with_form_error(low: float, median: float, high: float, form_error: float) -> tuple[float, float, float]:
-    """An interval that includes the share of the form error that is common to all features.
+def with_form_error(low: float, median: float, high: float, form_error: float) -> tuple[float, float]:
+    """Ends of an interval that includes the share of the form error that is common to all features.
 
     Features are independent in the density. A template that is off by as much in all of them looks like another size.
     """
     common = form_error * COMMON_FORM * float(ndtri(CREDIBLE[-1])) * abs(median)
-    return median - float(np.hypot(median - low, common)), median, median + float(np.hypot(high - median, common))
+    return median - float(np.hypot(median - low, common)), median + float(np.hypot(high - median, common))
 
 
 def open_ends(tried: Floats, low: float, high: float) -> tuple[bool, bool]:
