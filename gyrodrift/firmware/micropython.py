@@ -13,6 +13,8 @@ ROOT = Path(gyrodrift.filters.__file__).parent
 FILES = (
     "limits",
     "gaps",
+    "beliefs",
+    "contradictions",
     "restlevel.bias_state",
     "restlevel.rate_state",
     "restlevel.model",

@@ -14,10 +14,9 @@ from c_filter_support import words, write_header
 from firmware_support import run
 
 from gyrodrift.filters import attitude
-from gyrodrift.filters.attitude.mixture import MAX_HYPOTHESES
 from gyrodrift.filters.attitude.rests import KINDS
 from gyrodrift.filters.attitude.witness import STILL
-from gyrodrift.filters.restlevel.hypotheses import PARTS
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES, PARTS
 from gyrodrift.firmware.parameters import FILTERS_FOLDER
 
 ABSENT = {
@@ -28,7 +27,6 @@ ABSENT = {
     "NOISY": "gd_attitude_kind_of",
     "LONG_NOISY": "gd_attitude_kind_of",
     "STILL": "gd_attitude_still",
-    "MAX_HYPOTHESES": "GD_ATTITUDE_HYPOTHESES",
     "AIDED": "functions",
     "LEAST_VAR": "the source has no errors of its own",
     "UNITS": "of two spreads",
@@ -41,7 +39,6 @@ OWN = {
     "SLOTS": "each hypothesis may branch",
     "PIVOT": "inverse of a matrix",
     "LOG_LEAST": "of 1e-300",
-    "TAIL": "of restlevel",
     "LOG_TURN": "of 2 pi",
     "LONGEST_GAP_S": "a float ends at 1e38",
     "LARGEST_FLOAT_BIAS": "digits of a float",
@@ -115,7 +112,7 @@ def value_of(library: ctypes.CDLL, name: str) -> float:
 def test_each_python_constant_has_its_value_in_c(library: ctypes.CDLL) -> None:
     """A change in Python fails here until C follows; three states are named by the first of them."""
     constants = in_python()
-    assert len(constants) > 90
+    assert len(constants) > 80
     for name, value in constants.items():
         number = value.start if isinstance(value, slice) else value
         assert isinstance(number, int | float), name
@@ -136,7 +133,8 @@ def test_the_kinds_of_rest_are_those_of_python(library: ctypes.CDLL) -> None:
 
 def test_the_kinds_of_parts_are_those_of_python() -> None:
     """Both filters have them; the first two kinds have one share."""
-    numbers = [float(number) for number in re.findall(r"GD_R\(([\d.]+)\)", (FILTERS_FOLDER / "parts.h").read_text())]
+    text = (FILTERS_FOLDER / "beliefs.h").read_text().partition("/* Share of a kind. */")[2].partition("/* Odds")[0]
+    numbers = [float(number) for number in re.findall(r"GD_R\(([\d.]+)\)", text)]
     shares, widths = zip(*PARTS, strict=True)
     assert shares[0] == shares[1]
     assert numbers == [*shares[1:], *widths]

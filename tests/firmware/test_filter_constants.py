@@ -7,7 +7,7 @@ import re
 from math import log, pi
 from pathlib import Path
 
-from gyrodrift.filters import limits, restlevel
+from gyrodrift.filters import beliefs, contradictions, limits, restlevel
 from gyrodrift.filters.restlevel import memory
 from gyrodrift.firmware.parameters import FILTERS_FOLDER
 
@@ -33,6 +33,7 @@ OWN = {
     "GD_PI",
     "GD_RESTLEVEL_HYPOTHESES",
     "GD_RESTLEVEL_WORK",
+    "GD_PARTS",
     "GD_RL_DEFAULT_PARTS",
     "GD_FAR_S",
     "GD_NEVER",
@@ -47,9 +48,10 @@ OWN = {
 NUMBER = re.compile(r"#define (GD_[A-Z0-9_]+) +(?:GD_R\()?(-?[0-9][0-9.e+-]*)\)?(?:\s|$)")
 
 
-def in_c(pattern: str) -> dict[str, float]:
-    """Numeric constants of the parts whose names match."""
-    lines = [line for part in sorted(FILTERS_FOLDER.glob(pattern)) for line in part.read_text().splitlines()]
+def in_c() -> dict[str, float]:
+    """Numeric constants of restlevel and of what both filters share."""
+    parts = [*sorted(FILTERS_FOLDER.glob("re*.h")), FILTERS_FOLDER / "beliefs.h", FILTERS_FOLDER / "contradictions.h"]
+    lines = [line for part in parts for line in part.read_text().splitlines()]
     return {match[1]: float(match[2]) for line in lines if (match := NUMBER.match(line.strip()))}
 
 
@@ -58,7 +60,7 @@ def in_python() -> dict[str, float]:
     names = [f"{restlevel.__name__}.{module.name}" for module in pkgutil.iter_modules(restlevel.__path__)]
     modules = [importlib.import_module(name) for name in names]
     constants: dict[str, float] = {}
-    for module in (limits, *modules):
+    for module in (limits, beliefs, contradictions, *modules):
         for name in assigned(Path(str(module.__file__))):
             value = getattr(module, name)
             if isinstance(value, int | float) and (module, name) != (memory, "LEAST_VAR"):
@@ -75,7 +77,7 @@ def assigned(path: Path) -> list[str]:
 
 def test_each_python_constant_has_its_value_in_c() -> None:
     """A change in Python fails here until C follows."""
-    ours, theirs = in_python(), in_c("re*.h")
+    ours, theirs = in_python(), in_c()
     assert len(ours) > 90
     for name in set(ours) - set(ABSENT):
         if name in ("UNKNOWN_C", "UNSAID_C"):
@@ -86,14 +88,14 @@ def test_each_python_constant_has_its_value_in_c() -> None:
 def test_each_c_constant_is_one_of_python() -> None:
     """A constant that only C has needs an entry in OWN."""
     ours = in_python()
-    assert {name for name in in_c("re*.h") if name.removeprefix("GD_") not in ours} <= OWN
+    assert {name for name in in_c() if name.removeprefix("GD_") not in ours} <= OWN
 
 
 def test_constants_with_a_name_in_c_are_equal() -> None:
     """An unknown temperature has two names."""
     text = "".join(part.read_text() for part in FILTERS_FOLDER.glob("restlevel_*.h"))
     assert "#define GD_UNKNOWN_C GD_UNSAID_C" in text
-    assert in_c("re*.h")["GD_UNSAID_C"] == in_python()["UNKNOWN_C"]
+    assert in_c()["GD_UNSAID_C"] == in_python()["UNKNOWN_C"]
 
 
 def test_constants_of_c_alone_follow_from_those_of_python() -> None:
@@ -101,6 +103,6 @@ def test_constants_of_c_alone_follow_from_those_of_python() -> None:
     ours = in_python()
     text = (FILTERS_FOLDER / "restlevel_model.h").read_text()
     assert f"#else\n#define GD_RESTLEVEL_HYPOTHESES {int(ours['MAX_HYPOTHESES'])}\n" in text
-    assert in_c("re*.h")["GD_LOG_USUAL_NOISE"] == log(ours["USUAL_NOISE_DPS"])
-    assert in_c("re*.h")["GD_LEAST_REMEMBERED_VAR"] == memory.LEAST_VAR
-    assert in_c("re*.h")["GD_PI"] == pi
+    assert in_c()["GD_LOG_USUAL_NOISE"] == log(ours["USUAL_NOISE_DPS"])
+    assert in_c()["GD_LEAST_REMEMBERED_VAR"] == memory.LEAST_VAR
+    assert in_c()["GD_PI"] == pi

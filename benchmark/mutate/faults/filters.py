@@ -126,8 +126,8 @@ FAULTS = (
     Fault(
         "filters/restlevel-spins-outlast-rests",
         f"{RESTLEVEL}/durations.py",
-        "return SPINS_PER_DPS / sqrt(sqrt(",
-        "return SPINS_PER_DPS * sqrt(sqrt(",
+        "return SPINS_PER_DPS / duration_odds(",
+        "return SPINS_PER_DPS * duration_odds(",
         "The longer a constant rate lasts, the more probable is a spin.",
         (f"{UNITS}/test_durations.py",),
     ),
@@ -197,7 +197,7 @@ FAULTS = (
     ),
     Fault(
         "filters/restlevel-turns-ring",
-        f"{RESTLEVEL}/witness.py",
+        "gyrodrift/filters/contradictions.py",
         "w.is_believed, w.refuted = False, w.refuted + 1",
         "w.refuted = w.refuted + 1",
         "A witness that was found out is believed all the same.",

@@ -7,11 +7,8 @@ import numpy as np
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
-from gyrodrift.filters.restlevel.hypotheses import PARTS
+from gyrodrift.filters.beliefs import MAX_RAMP_S, PARTS, SPINS_PER_DPS
 from gyrodrift.values.arrays import Floats, Mask
-
-TURNS_PER_DPS = 0.03
-"""Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions."""
 
 MOTION_SPREAD = 1.0
 MOTION_SHARE, NOISY_MOTION_SHARE = 0.05, 0.5
@@ -41,9 +38,6 @@ Measured: recordings of five rigs, median heading error."""
 SAME_RATE = 0.01
 """Error of a bias that its covariance does not contain, deg/s, where a rest is tested once a bias is known.
 Chosen: flicker of common parts within seconds."""
-
-LONGEST_DRIFT_S = 20.0
-"""Longest drift of a bias since the last rest, s, as in restlevel."""
 
 
 def must_agree(h: Hypotheses, m: RestCandidate) -> Mask:
@@ -94,7 +88,7 @@ def weigh(
     level = normal_density(off[:2], wide[:2, :2])
     if h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
-        jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / LONGEST_DRIFT_S)
+        jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / MAX_RAMP_S)
         rest = normal_density(off, wide)
         if not must_agree(h, m)[i]:
             rest = (1.0 - jumps) * rest + jumps * normal_density(off, wide + jump)
@@ -107,7 +101,7 @@ def weigh(
     share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
     chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
     chance += level * normal_density(off[2:], wide[2:, 2:] + MOTION_SPREAD**2)
-    return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))
+    return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(SPINS_PER_DPS * level + share * chance + 1e-300)))
 
 
 def first_rest_densities(c: AttitudeCoefficients, rate: Floats, off: float, variance: float) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, Attitude
 from gyrodrift.filters.attitude.rests import Segment
 from gyrodrift.filters.attitude.update import end_block, publish
 from gyrodrift.filters.attitude.velocity import forget_velocity
+from gyrodrift.filters.beliefs import drift_var
 from gyrodrift.filters.gaps import count_gap, gap_length_s, turn_var
 from gyrodrift.values.quaternion import heading_axis
 from gyrodrift.values.vectors import Vector
@@ -24,7 +25,7 @@ def pass_gap(c: AttitudeCoefficients, s: AttitudeState, step_s: float, gyro: Vec
     level_var, heading_var = turn_variances(s, seconds, gyro)
     h.cov[:, :HEADING, :HEADING] += level_var * np.eye(HEADING)
     h.cov[:, HEADING, HEADING] += heading_var
-    h.cov[:, BIAS, BIAS] += min(c.walk_var * seconds, c.bias_sigma**2) * np.eye(3)
+    h.cov[:, BIAS, BIAS] += drift_var(seconds, c.walk_var, c.drift_rate, c.bias_sigma**2) * np.eye(3)
     h.regime[:] = UNDECIDED
     forget_velocity(h)
     s.windows.blocks, s.segment = 0, Segment()

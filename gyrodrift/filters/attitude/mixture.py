@@ -15,17 +15,12 @@ from gyrodrift.filters.attitude.hypotheses import (
     VELOCITY,
     Hypotheses,
 )
-from gyrodrift.filters.restlevel.mixture import TAIL
+from gyrodrift.filters.attitude.rests import RAD
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES, SAME_YAW_DEG, TAIL
 from gyrodrift.values.arrays import Floats
-
-MAX_HYPOTHESES = 6
-"""Hypotheses that are kept, as in restlevel."""
 
 LEAST_WEIGHT = 1e-6
 """Probability below which a hypothesis is pruned. Chosen: far below `TAIL`, so the output does not show it."""
-
-MERGE_HEADING_VAR = (0.01 * 0.017453292519943295) ** 2
-"""Variance of headings that are the same, rad²: 0.01 deg, as in restlevel."""
 
 
 class SumMoments(NamedTuple):
@@ -86,7 +81,7 @@ def _are_similar(h: Hypotheses, i: int, j: int) -> bool:
         return False
     error = differences(h, i, j)
     variance = np.minimum(np.diagonal(h.cov[i]), np.diagonal(h.cov[j]))
-    near_heading = error[HEADING] ** 2 < variance[HEADING] + MERGE_HEADING_VAR
+    near_heading = error[HEADING] ** 2 < variance[HEADING] + (SAME_YAW_DEG * RAD) ** 2
     has_same_turns = abs(h.yaw_deg[i] - h.yaw_deg[j]) < 180.0
     return bool(near_heading and has_same_turns and (error[BIAS] ** 2 < variance[BIAS]).all())
 

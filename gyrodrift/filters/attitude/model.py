@@ -5,7 +5,7 @@ from math import nan, sqrt
 
 import numpy as np
 
-from gyrodrift.filters.attitude.block import InertialBlock
+from gyrodrift.filters.attitude.block import RAD, InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.motion import MotionMemory
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
@@ -14,9 +14,6 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.quaternion import IDENTITY, Quaternion, heading_axis, tilt_deg
 from gyrodrift.values.vectors import Vector
-
-RAD = 0.017453292519943295
-"""A degree in rad. By definition: π/180."""
 
 BLOCKS_PER_WINDOW = 3.0
 """Blocks in `window_s`: at its default of 0.3 s a block has 0.1 s, as in the recordings of `SPREAD_OF_BIAS`."""

@@ -8,15 +8,13 @@ velocity decide between the branches.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.evidence import ALIGNMENT, LONGEST_DRIFT_S, MODEL_ERROR, SAME_RATE, must_agree, weigh
+from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, SAME_RATE, must_agree, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.filters.beliefs import MAX_RAMP_S, duration_odds
 from gyrodrift.values.arrays import Floats
-
-LEVEL_S = 12.0
-"""Rests that last longer than t against turns that do: (1 + (t/12 s)²)^¼ : 1, as in restlevel."""
 
 REST_BIAS = 0.045 * RAD
 """Error of a rest's mean beside its scatter, rad/s. Measured: recordings of five rigs, median heading error."""
@@ -44,11 +42,6 @@ CERTAIN = 9.0
 LARGEST_LOG = 60.0
 """Largest distance of a logarithm of odds from the highest that counts. Chosen: its exp() is far below `LEAST_WEIGHT`,
 and above 0."""
-
-
-def duration_odds(seconds: float) -> float:
-    """Odds of a rest against a turn by its duration."""
-    return float((1.0 + (seconds / LEVEL_S) ** 2) ** 0.25)
 
 
 def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float, turn_on_bias: Floats) -> Hypotheses:
@@ -82,7 +75,7 @@ def with_drift(h: Hypotheses, drift_rate: Floats) -> Hypotheses:
     The drift grew evenly, so the error of the heading is half of its end value times the time since the rest.
     """
     drifted = h.select(np.arange(len(h.weight)))
-    sigma = np.where(h.knows_bias, drift_rate * np.minimum(h.moving_s, LONGEST_DRIFT_S), 0.0)
+    sigma = np.where(h.knows_bias, drift_rate * np.minimum(h.moving_s, MAX_RAMP_S), 0.0)
     reach = np.zeros((len(h.weight), STATES, 3))
     reach[:, BIAS, :] = np.eye(3)
     reach[:, HEADING, :] = -0.5 * h.moving_s[:, None] * rotation_matrices(h.q)[:, 2]

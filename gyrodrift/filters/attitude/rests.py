@@ -5,12 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.filters.attitude.block import Integrals
+from gyrodrift.filters.attitude.block import RAD, Integrals
 from gyrodrift.filters.attitude.predict import GRAVITY
 from gyrodrift.values.arrays import Floats
-
-RAD = 0.017453292519943295
-"""A degree in rad. By definition: π/180."""
 
 GYRO_SPREAD = 0.15 * RAD
 ACCEL_SPREAD = 0.07
@@ -122,7 +119,7 @@ class AttitudeWitness:
         False from a contradiction by rates or accelerations until the sensor reports another state.
     refuted
         Number of contradictions.
-    against
+    contradictions
         Blocks that contradict, less a tenth for each that fits.
     blocks
         Blocks in a row that it calls still.
@@ -130,7 +127,7 @@ class AttitudeWitness:
 
     is_believed: bool = True
     refuted: int = 0
-    against: float = 0.0
+    contradictions: float = 0.0
     blocks: int = 0
 
 

@@ -8,6 +8,7 @@ from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, Attitude
 from gyrodrift.filters.attitude.regimes import branch, is_same_rest, measure_rest, weigh_duration
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, RestCandidate, Segment, find_rest
 from gyrodrift.filters.attitude.witness import certain_rest, keep_rests
+from gyrodrift.filters.beliefs import MAJORITY
 
 UPDATE_BLOCKS = 10
 """Blocks between two updates of a rest. Measured: recordings of five rigs, median heading error."""
@@ -25,9 +26,6 @@ GYRO_NOISE = 0.02 * RAD
 
 NOISE_SHARE = 0.05
 """Weight of a block at rest in the angle random walk: 2 s. Chosen."""
-
-MEASURED = 0.5
-"""Probability from which on a rest counts as one where hypotheses share a value. Chosen: even odds."""
 
 RESUME_BLOCKS = 11
 """Blocks after which a segment with the same rates is another one: ten lie between, as in restlevel."""
@@ -64,7 +62,7 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
             update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
     if certain is not None:
         keep_rests(s)
-    if s.rest_probability > MEASURED and candidate is not None:
+    if s.rest_probability > MAJORITY and candidate is not None:
         learn_noise(c, s, candidate)
 
 

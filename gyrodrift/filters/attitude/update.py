@@ -6,7 +6,6 @@ import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
-from gyrodrift.filters.attitude.evidence import LONGEST_DRIFT_S
 from gyrodrift.filters.attitude.hypotheses import (
     BIAS,
     FORCE_BIAS,
@@ -24,9 +23,10 @@ from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, Attitude
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
 from gyrodrift.filters.attitude.regimes import REST_BIAS
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
-from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
+from gyrodrift.filters.attitude.segments import GYRO_NOISE, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
+from gyrodrift.filters.beliefs import MAJORITY, MAX_RAMP_S
 from gyrodrift.values.arrays import Mask
 from gyrodrift.values.quaternion import IDENTITY, heading_axis, level, product, with_heading
 from gyrodrift.values.vectors import Vector
@@ -96,14 +96,14 @@ def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mas
 def widen_by_motion(s: AttitudeState, seconds: float) -> None:
     """Widen the biases in motion, which differ from those at rest, for the first seconds."""
     h = s.hypotheses
-    is_moving = h.knows_bias & (h.moving_s < LONGEST_DRIFT_S) & ((h.regime != REST) | (s.segment.blocks == 0))
-    h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / LONGEST_DRIFT_S * np.eye(3)
+    is_moving = h.knows_bias & (h.moving_s < MAX_RAMP_S) & ((h.regime != REST) | (s.segment.blocks == 0))
+    h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / MAX_RAMP_S * np.eye(3)
 
 
 def widen_by_tilt(s: AttitudeState) -> None:
     """Widen the biases as gravity moves in the sensor, farther than it was since the last rest."""
     m, up = s.motion, rotation_matrices(s.hypotheses.q[:1])[0, 2]
-    if s.rest_probability > MEASURED or not m.rest_up.any():
+    if s.rest_probability > MAJORITY or not m.rest_up.any():
         m.rest_up, m.moved_var = up, 0.0
     moved_var = float(((up - m.rest_up) ** 2).sum())
     if moved_var > m.moved_var:

@@ -6,36 +6,26 @@ from gyrodrift.filters.attitude.evidence import JUMP
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.rests import RestCandidate, RestKind, last_window
+from gyrodrift.filters.contradictions import FIT_SIGMAS, MOST_FIRST, count_contradiction, count_fit
 
 STILL = RestKind(3, 100.0, 100.0, 2.0)
 """Window of a rest by a witness: as short as three blocks, with up to 15 deg/s of scatter. Chosen."""
-
-FIT_SIGMAS = 6.0
-"""Distance of the rates from the bias, in standard deviations, that contradicts a witness, as in restlevel."""
-
-FASTEST_FIRST = 20.0
-"""Largest bias over the spread at power-on before any rest, as in restlevel."""
-
-MOST_CONTRADICTIONS, FIT_CREDIT = 5.0, 0.1
-"""Contradicting blocks that refute a witness, and how many a block that fits removes, as in restlevel."""
 
 
 def certain_rest(c: AttitudeCoefficients, s: AttitudeState) -> RestCandidate | None:
     """Candidate of a witness that is believed; None without one."""
     w, block = s.witness, s.block
     if block.still == 0 or block.moving > 0 or block.still < block.samples:
-        w.blocks, w.is_believed, w.against = 0, True, 0.0
+        w.blocks, w.is_believed = 0, True
         return None
     w.blocks += 1
     if not w.is_believed or w.blocks < STILL.blocks:
         return None
     candidate = last_window(s.windows, STILL, c.limits)
     if candidate is not None and fits_bias(c, s, candidate):
-        w.against = max(0.0, w.against - FIT_CREDIT)
+        count_fit(w)
         return candidate
-    w.against += 1.0
-    if w.against >= MOST_CONTRADICTIONS:
-        w.is_believed, w.refuted = False, w.refuted + 1
+    count_contradiction(w)
     return None
 
 
@@ -45,7 +35,7 @@ def fits_bias(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidat
     jump_var = (JUMP * c.bias_sigma) ** 2 + (0.1 * RAD) ** 2
     spread = np.sqrt(np.diagonal(h.cov[:, BIAS, BIAS], axis1=1, axis2=2) + jump_var + candidate.gyro_var)
     is_near = (np.abs(candidate.gyro - h.bias) < FIT_SIGMAS * spread).all(axis=1)
-    may_be_first = ~h.knows_bias & bool((np.abs(candidate.gyro) < FASTEST_FIRST * c.bias_sigma).all())
+    may_be_first = ~h.knows_bias & bool((np.abs(candidate.gyro) < MOST_FIRST * c.bias_sigma).all())
     return bool((is_near | may_be_first).any())
 
 

@@ -7,6 +7,7 @@ right or wrong, and the posterior is the mixture of both cases.
 from math import sqrt
 
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
+from gyrodrift.filters.beliefs import MAJORITY
 from gyrodrift.filters.gaps import add_correction
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import KalmanStep, mix
@@ -16,9 +17,6 @@ from gyrodrift.filters.restlevel.zero import scale_sigma_deg
 
 KNOWN_SHARE = 0.01
 """Variance of the bias, as a share of that at power-on, below which a measurement has made it known. Chosen."""
-
-MEASURED = 0.5
-"""Probability of a right measurement from which on the bias counts as measured. Chosen: even odds."""
 
 
 def has_block_ended(s: RestlevelState) -> bool:
@@ -79,7 +77,7 @@ def _update(c: RestlevelCoefficients, h: Hypothesis, reading: AidReading) -> tup
     h.bias_var, h.covariance, h.yaw_var = mixed.bias_var, mixed.covariance, mixed.yaw_var
     h.checkpoint.yaw_deg += mixed.yaw_deg
     h.checkpoint.yaw_var, h.checkpoint.covariance = h.yaw_var, h.covariance
-    if share > MEASURED:
+    if share > MAJORITY:
         h.moving_s = h.checkpoint.moving_s = 0.0
         h.knows_bias = h.knows_bias or h.bias_var < KNOWN_SHARE * c.turn_on_var
     return likelihood, share

@@ -112,7 +112,7 @@ class Witness:
     refuted
         Number of refutations.
     contradictions
-        Number of blocks that contradicted a report of rest. A block that fits removes `witness.FIT_CREDIT`.
+        Number of blocks that contradicted a report of rest. A block that fits removes `contradictions.FIT_CREDIT`.
     agreeing_blocks, level_dps
         Number of the last contradicting blocks that agree with each other, and their mean, deg/s.
     before_dps

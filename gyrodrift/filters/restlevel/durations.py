@@ -7,21 +7,13 @@ of a kind is their product.
 
 from math import pi, sqrt
 
+from gyrodrift.filters.beliefs import SPINS_PER_DPS, duration_odds
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.rate_state import RateWander
 from gyrodrift.filters.restlevel.wander import wander_probability
 
-SPINS_PER_DPS = 0.03
-"""Probability density of the rates of constant spins, 1/(deg/s). Chosen: uniform up to about 15 deg/s in both
-directions."""
-
 CHANCE_LEVELS = 4.0
 """Number of chance levels for each constant spin, if levels wander. Chosen: they are more frequent than spins."""
-
-LEVEL_S = 12.0
-"""Time scale of rests and spins, s. A rest lasts longer than t with probability 1/√(1 + (t/12)²); the median is 20 s.
-
-For spins it is this probability to the power 1.5; the median is 15 s. Chosen."""
 
 CHANCE_STAYS, NOISY_STAYS = 0.9, 0.985
 """Probabilities that a chance level lasts for a further block, 3 s on average, and a noisy motion whose block means
@@ -97,7 +89,7 @@ def _weigh(h: Hypothesis, odds: float) -> None:
 
 def _spin_density(seconds: float) -> float:
     """Density of spins that last so long, divided by the probability that a rest does, 1/(deg/s)."""
-    return SPINS_PER_DPS / sqrt(sqrt(1.0 + seconds * seconds / (LEVEL_S * LEVEL_S)))
+    return SPINS_PER_DPS / duration_odds(seconds)
 
 
 def _noisy_density(h: Hypothesis, sensor_odds: float) -> float:

@@ -1,8 +1,8 @@
 """A gap in the samples of restlevel: yaw is held, and nothing of the present block or segment goes on after it."""
 
+from gyrodrift.filters.beliefs import drift_var
 from gyrodrift.filters.gaps import count_gap, gap_length_s, turn_var
 from gyrodrift.filters.restlevel.hypotheses import forget_segments, predict, reopen
-from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY
 from gyrodrift.filters.restlevel.mixture import collapse
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 
@@ -12,13 +12,12 @@ def pass_gap(c: RestlevelCoefficients, s: RestlevelState, step_s: float, rate_dp
     block = s.block
     seconds = gap_length_s(s.watch, step_s)
     gap_var = turn_var(seconds, s.rate_dps + rate_dps - 2.0 * s.bias_dps)
-    ramp_dps = c.rate_ramp_dps_s * min(seconds, MAX_RAMP_S)
-    drift_var = min(c.rate_walk_var * seconds, c.turn_on_var) + RAMP_PROBABILITY * ramp_dps * ramp_dps
+    bias_var = drift_var(seconds, c.rate_walk_var, c.rate_ramp_dps_s, c.turn_on_var)
     predict(c, s, block.angle_deg, block.seconds)
     for h in s.hypotheses:
         h.is_at_rest = h.was_at_rest = False
         h.yaw_var += gap_var
-        h.bias_var += drift_var
+        h.bias_var += bias_var
     s.lived_s += block.seconds + step_s
     forget_segments(s)
     s.witness.was_certain, s.witness.still, s.witness.moving = False, 0, 0

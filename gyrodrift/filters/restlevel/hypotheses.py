@@ -8,6 +8,7 @@ also corrects the yaw error that a wrong bias has caused since the last rest.
 
 from math import exp
 
+from gyrodrift.filters.beliefs import PARTS
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.durations import (
     begin_rest,
@@ -38,10 +39,6 @@ from gyrodrift.filters.restlevel.wander import forget_levels
 NOISY_REST_SHARE = 0.1
 """Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion.
 Chosen: one rest in ten."""
-
-PARTS = ((0.25, 0.01), (0.25, 0.1), (0.48, 1.0), (0.02, 8.0))
-"""Kinds of parts: their share, and the sigma of their turn-on bias over `turn_on_dps`. The first two subtract their own
-bias; the last is raw (data sheet of the MPU-6050: up to 20 deg/s)."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:

@@ -9,15 +9,9 @@ weighted by their likelihoods, as in interacting multiple models (Blom and Bar-S
 from math import exp, log, pi
 from typing import NamedTuple
 
+from gyrodrift.filters.beliefs import MAX_RAMP_S, RAMP_PROBABILITY
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
-
-RAMP_PROBABILITY = 0.3
-"""Prior probability that the bias has followed a ramp since the last rest, and not a random walk. Chosen: a prior
-learned by hypothesis was no better (docs/blind-alleys.md)."""
-
-MAX_RAMP_S = 20.0
-"""Longest ramp, s. Chosen."""
 
 MAX_LOG_ODDS = 700.0
 """Largest argument of exp(). Derived: its value is still a finite double (IEEE 754)."""

@@ -15,8 +15,8 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Le
 
+from gyrodrift.filters.beliefs import PARTS
 from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR
-from gyrodrift.filters.restlevel.hypotheses import PARTS
 from gyrodrift.filters.restlevel.kalman import gaussian_logpdf
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C

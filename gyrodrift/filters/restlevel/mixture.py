@@ -6,24 +6,16 @@ and Sorenson 1972 for the sum of Gaussians; Reid 1979 for small trees of hypothe
 
 from math import sqrt
 
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES, MAX_RAMP_S, RAMP_PROBABILITY, SAME_YAW_DEG, TAIL
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY
-from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelCoefficients, RestlevelState
+from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 
 MIN_WEIGHT = 1e-9
 """Probability below which a hypothesis is pruned. Chosen: far below `TAIL`, so the output does not show it."""
 
-TAIL = 0.045
-"""Probability that is subtracted from each hypothesis for the variances. Two sigmas should hold in 19 of 20 cases, so
-less probable hypotheses do not count. Derived: the share of a normal distribution beyond two sigmas."""
-
 TURN_ON_FACTOR = 4.0
 """Largest ratio of the bias variances of two hypotheses without a known bias that merge. A larger ratio is that of two
 kinds of parts. Chosen: variances of kinds differ by a factor of 64 or more (`PARTS`)."""
-
-GATE_YAW_VAR = 1e-4
-"""Variance that the merge gate adds to yaw, deg². In a long rest from the start, yaw itself has no variance. Chosen:
-the square of 0.01 deg."""
 
 
 def merge_and_prune(s: RestlevelState) -> None:
@@ -62,7 +54,7 @@ def is_in_merge_gate(first: Hypothesis, second: Hypothesis) -> bool:
         return False
     apart_dps, apart_deg = first.bias_dps - second.bias_dps, first.yaw_deg - second.yaw_deg
     is_same_bias = apart_dps * apart_dps < least_var
-    return is_same_bias and apart_deg * apart_deg < GATE_YAW_VAR + min(first.yaw_var, second.yaw_var)
+    return is_same_bias and apart_deg * apart_deg < SAME_YAW_DEG * SAME_YAW_DEG + min(first.yaw_var, second.yaw_var)
 
 
 def moment_matched_merge(first: Hypothesis, second: Hypothesis) -> None:

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
 
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES
 from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.bias_state import (
     UNSAID_C,
@@ -34,10 +35,6 @@ COLDEST_C, WARMEST_C = -100.0, 200.0
 
 MAX_REMEMBERED = 2
 """Largest number of remembered biases: of the last rest, and of a start at a similar temperature. By definition."""
-
-MAX_HYPOTHESES = 6
-"""Largest number of hypotheses after pruning. Each of them can branch into two at a segment. Chosen: eight gained at
-most 1 % (docs/blind-alleys.md)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ moves no bias.
 
 from math import exp, pi, sqrt
 
+from gyrodrift.filters.beliefs import SPINS_PER_DPS
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.durations import SPINS_PER_DPS
 from gyrodrift.filters.restlevel.mixture import normalise
 from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.rate_state import TURN_SLOTS, MeanTurns

@@ -11,37 +11,26 @@ the report.
 
 from math import exp, sqrt
 
+from gyrodrift.filters.beliefs import MAJORITY, MAX_RAMP_S
+from gyrodrift.filters.contradictions import FIT_SIGMAS, MOST_FIRST, count_contradiction, count_fit
 from gyrodrift.filters.restlevel.bias_state import Witness
-from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, first_kalman_update, gaussian_logpdf, kalman_update
+from gyrodrift.filters.restlevel.kalman import first_kalman_update, gaussian_logpdf, kalman_update
 from gyrodrift.filters.restlevel.mixture import merge_and_prune
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_confirmed
 from gyrodrift.filters.restlevel.slide import mark_safe
 
-FIT_SIGMAS = 6.0
-"""Distance of a block mean from the bias, in sigmas, that contradicts a report of rest. Chosen."""
-
 AGREEMENT_SIGMAS = 4.0
 """Largest distance of contradicting blocks of the same level, in sigmas: a bias that has jumped, or a constant turn.
 Chosen: the gate of a segment, `segments.GATE_SIGMAS`."""
 
-MOST_CONTRADICTIONS = 5.0
-"""Number of contradicting blocks that refutes a witness. Chosen: 1.5 s of a turn at the default `window_s`."""
-
-FIT_CREDIT = 0.1
-"""Number of contradictions that a block which fits removes. Chosen."""
-
-MOST_FIRST, MOST_JUMP = 20.0, 1.0
-"""Largest first bias, and largest jump of a known bias, in sigmas of the turn-on bias. Chosen: a larger level is a
-turn."""
+MOST_JUMP = 1.0
+"""Largest jump of a known bias, in sigmas of the turn-on bias. Chosen: a larger level is a turn."""
 
 FIRST_BLOCKS = 2
 """Number of contradicting blocks of the same level that show a first bias. A jump of a known bias needs
 `CONFIRMED_BLOCKS`. Chosen."""
-
-MAJORITY = 0.5
-"""Probability above which the device counts as at rest, and its bias as known. By definition."""
 
 
 def hear(witness: Witness, still: float) -> None:
@@ -75,7 +64,8 @@ def is_certain_rest(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float
     mean_var, ramp_dps = noisy_mean_var(s, seconds), c.rate_ramp_dps_s * min(w.since_s, MAX_RAMP_S)
     fit_var = s.moments.bias_var + mean_var + s.noise.flicker_var + ramp_dps * ramp_dps
     if abs(mean_dps - s.bias_dps) < FIT_SIGMAS * sqrt(fit_var):
-        w.contradictions, w.agreeing_blocks = max(0.0, w.contradictions - FIT_CREDIT), 0
+        count_fit(w)
+        w.agreeing_blocks = 0
         return True
     return _is_new_level(c, s, mean_dps, mean_var, seconds)
 
@@ -142,7 +132,6 @@ def _is_new_level(
         w.level_dps += (mean_dps - w.level_dps) / w.agreeing_blocks
     else:
         w.agreeing_blocks, w.level_dps = 1, mean_dps
-    w.contradictions += 1.0
     known_weight = 0.0
     for h in s.hypotheses:
         if h.weight > 0.0 and h.knows_bias:
@@ -155,12 +144,10 @@ def _is_new_level(
             _widen_bias(s, away_dps * away_dps)
         w.contradictions, w.agreeing_blocks = 0.0, 0
         return True
-    if w.contradictions < MOST_CONTRADICTIONS:
-        return False
-    learned_dps = s.bias_dps - w.before_dps
-    _widen_bias(s, learned_dps * learned_dps)
-    w.is_believed, w.refuted = False, w.refuted + 1
-    w.contradictions, w.agreeing_blocks = MOST_CONTRADICTIONS - 1.0, 0
+    if count_contradiction(w):
+        learned_dps = s.bias_dps - w.before_dps
+        _widen_bias(s, learned_dps * learned_dps)
+        w.agreeing_blocks = 0
     return False
 
 

@@ -4,8 +4,9 @@ from math import pi
 
 import pytest
 
+from gyrodrift.filters.beliefs import SPINS_PER_DPS
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.durations import SPINS_PER_DPS, begin_rest, weigh_gradual_end, weigh_rest
+from gyrodrift.filters.restlevel.durations import begin_rest, weigh_gradual_end, weigh_rest
 from gyrodrift.filters.restlevel.rate_state import RateWander
 
 STEADY, WANDERING = RateWander(log_odds=-50.0), RateWander(log_odds=50.0, step_dps=0.5)

@@ -5,10 +5,7 @@
 #define GD_ATTITUDE_EVIDENCE_H
 
 #include "attitude_rests.h"
-#include "parts.h"
 
-/* Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions. */
-#define GD_ATTITUDE_TURNS_PER_DPS GD_R(0.03)
 /* Motions that keep their means by chance: spread of their rates in each axis, deg/s, and their number per even turn,
    in quiet and in noisy windows. */
 #define GD_ATTITUDE_MOTION_SPREAD GD_R(1.0)
@@ -27,8 +24,6 @@
 #define GD_ATTITUDE_MODEL_ERROR GD_R(0.1)
 /* Change of a bias within a rest that its covariance does not contain, deg/s. */
 #define GD_ATTITUDE_SAME_RATE GD_R(0.01)
-/* Longest drift of a bias since the last rest, s, as in restlevel. */
-#define GD_ATTITUDE_LONGEST_DRIFT_S GD_R(20.0)
 /* Logarithms of 1e-300, the smallest density, and of 2 pi. */
 #define GD_ATTITUDE_LOG_LEAST GD_R(-690.7755278982137)
 #define GD_ATTITUDE_LOG_TURN GD_R(1.8378770664093453)
@@ -111,7 +106,7 @@ static inline int gd_attitude_must_agree(const gd_attitude_hypothesis *h, const 
 /* Sigma of the drift of a bias since the last rest, rad/s. */
 static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h,
                                         const gd_attitude_candidate *m) {
-  const gd_real seconds = gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S);
+  const gd_real seconds = gd_min(h->moving_s, GD_MAX_RAMP_S);
   return h->knows_bias && !gd_attitude_must_agree(h, m) ? a->c.drift_rate * seconds : GD_R(0.0);
 }
 
@@ -168,7 +163,7 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
 static inline gd_real gd_attitude_log_known_rest(const gd_attitude_hypothesis *h, const gd_attitude_offset *o,
                                                  gd_real prior_var, int may_jump) {
   const gd_real jump_var = GD_ATTITUDE_JUMP * GD_ATTITUDE_JUMP * prior_var;
-  const gd_real jumps = GD_ATTITUDE_JUMP_SHARE * gd_min(GD_R(1.0), h->moving_s / GD_ATTITUDE_LONGEST_DRIFT_S);
+  const gd_real jumps = GD_ATTITUDE_JUMP_SHARE * gd_min(GD_R(1.0), h->moving_s / GD_MAX_RAMP_S);
   gd_real rest = gd_log_density(o->off, o->spread, o->error_var, 3);
   if (may_jump) {
     const gd_real jumped = gd_log_density(o->off, o->spread, o->error_var + jump_var, 3);
@@ -203,7 +198,7 @@ static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, con
   vertical_var = o.spread[8] + o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD;
   chance = gd_log_add(chance, level + gd_log_density(&o.off[2], none, vertical_var, 1)) + GD_LOG(share);
   *log_rest = gd_log_add(rest, GD_ATTITUDE_LOG_LEAST);
-  *log_motion = gd_log_add(gd_log_add(GD_LOG(GD_ATTITUDE_TURNS_PER_DPS) + level, chance), GD_ATTITUDE_LOG_LEAST);
+  *log_motion = gd_log_add(gd_log_add(GD_LOG(GD_SPINS_PER_DPS) + level, chance), GD_ATTITUDE_LOG_LEAST);
 }
 
 #endif

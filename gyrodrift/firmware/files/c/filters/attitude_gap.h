@@ -40,7 +40,8 @@ static inline void gd_attitude_reopen(gd_attitude *a) {
 /* Goes over a gap to a sample that comes `step_s` later with these rates; returns whether the bias was reopened. */
 static inline int gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_real gyro[3]) {
   const gd_real seconds = gd_gap_length_s(step_s);
-  const gd_real drift_var = gd_min(a->c.walk_var * seconds, a->c.bias_sigma * a->c.bias_sigma);
+  const gd_real turn_on_var = a->c.bias_sigma * a->c.bias_sigma;
+  const gd_real drift_var = gd_drift_var(seconds, a->c.walk_var, a->c.drift_rate, turn_on_var);
   const int may_have_restarted = gd_may_have_restarted(a->longest_step_s, step_s);
   gd_real turn_var[3];
   int i, k;

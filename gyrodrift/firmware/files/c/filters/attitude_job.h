@@ -114,7 +114,7 @@ static inline void gd_attitude_learn(gd_attitude *a) {
   if (job->is_certain) {
     gd_attitude_keep_rests(&a->sum);
   }
-  if (job->is_found && a->rest_probability > GD_ATTITUDE_MEASURED) {
+  if (job->is_found && a->rest_probability > GD_MAJORITY) {
     gd_attitude_learn_noise(a, &job->candidate);
   }
   gd_attitude_go_to(job, a->aid.variance > GD_R(0.0) ? GD_ATTITUDE_AID : GD_ATTITUDE_PUBLISH);

@@ -6,10 +6,6 @@
 
 /* Probability below which a hypothesis is pruned. */
 #define GD_ATTITUDE_LEAST_WEIGHT GD_R(1e-6)
-/* Probability that is subtracted from each hypothesis for the variances, as in restlevel. */
-#define GD_ATTITUDE_TAIL GD_R(0.045)
-/* Variance of headings that are the same, rad^2: 0.01 deg, as in restlevel. */
-#define GD_ATTITUDE_MERGE_HEADING_VAR (GD_R(0.01 * 0.017453292519943295) * GD_R(0.01 * 0.017453292519943295))
 
 /* The Gaussian sum as one estimate: mean heading by cubed weights, minus that of the most probable hypothesis, and its
    variance, rad; mean bias, rad/s, and its covariance; variance of the inclination, rad^2. */
@@ -38,6 +34,7 @@ static inline void gd_attitude_difference(gd_real error[GD_ATTITUDE_STATES], con
 
 /* Whether two hypotheses agree in regime, in biases, and in headings, within the smaller standard deviation. */
 static inline int gd_attitude_are_similar(const gd_attitude_hypothesis *g, const gd_attitude_hypothesis *h) {
+  const gd_real same_rad = GD_SAME_YAW_DEG * GD_ATTITUDE_RAD;
   gd_real turn[3], heading_var, bias;
   int i;
   if (g->regime != h->regime || g->knows_bias != h->knows_bias || !(GD_ABS(g->yaw_deg - h->yaw_deg) < GD_R(180.0))) {
@@ -45,7 +42,7 @@ static inline int gd_attitude_are_similar(const gd_attitude_hypothesis *g, const
   }
   gd_vector_between(turn, g->q, h->q);
   heading_var = gd_min(gd_attitude_variance(g, GD_ATTITUDE_HEADING), gd_attitude_variance(h, GD_ATTITUDE_HEADING));
-  if (!(turn[2] * turn[2] < heading_var + GD_ATTITUDE_MERGE_HEADING_VAR)) {
+  if (!(turn[2] * turn[2] < heading_var + same_rad * same_rad)) {
     return 0;
   }
   for (i = 0; i < 3; i++) {
@@ -137,7 +134,7 @@ static inline void gd_attitude_moments_of(gd_attitude_moments *m, const gd_attit
   for (i = 0; i < sum->count; i++) {
     const gd_attitude_hypothesis *h = &sum->slot[sum->order[i]];
     const gd_real off = (h->yaw_deg - first->yaw_deg) * GD_ATTITUDE_RAD - m->heading;
-    const gd_real weight = h->weight - GD_ATTITUDE_TAIL;
+    const gd_real weight = h->weight - GD_TAIL;
     if (!(weight > 0)) {
       continue;
     }

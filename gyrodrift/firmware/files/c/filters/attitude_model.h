@@ -3,6 +3,8 @@
 #define GD_ATTITUDE_MODEL_H
 
 #include "aid.h"
+#include "beliefs.h"
+#include "contradictions.h"
 #include "gaps.h"
 #include "parameters.h"
 #include "real.h"
@@ -149,7 +151,7 @@ typedef struct {
   uint8_t is_believed;
   uint32_t refuted; /* contradictions */
   uint32_t blocks;  /* blocks in a row that it calls still */
-  gd_real against; /* blocks that contradict, less a tenth for each that fits */
+  gd_real contradictions; /* blocks that contradict, less a tenth for each that fits */
 } gd_attitude_witness;
 
 /* Averages over the last seconds: how far accelerations and tilts can be trusted. */

@@ -14,22 +14,12 @@ enum { GD_ATTITUDE_UPDATE_BLOCKS = 10, GD_ATTITUDE_START_BLOCKS = 4, GD_ATTITUDE
 /* Least angle random walk of a gyro, rad/sqrt(s), and the weight of a block at rest in it. */
 #define GD_ATTITUDE_GYRO_NOISE (GD_R(0.02) * GD_ATTITUDE_RAD)
 #define GD_ATTITUDE_NOISE_SHARE GD_R(0.05)
-/* Probability from which on a rest counts as one where hypotheses share a value. */
-#define GD_ATTITUDE_MEASURED GD_R(0.5)
 /* Odds of a rest by an accelerometer as quiet as the gyro: vehicles in a bend shake. */
 #define GD_ATTITUDE_QUIET_ODDS GD_R(4.0)
-/* Rests that last longer than t against turns that do: (1 + (t/12 s)^2)^(1/4) : 1, as in restlevel. */
-#define GD_ATTITUDE_LEVEL_S GD_R(12.0)
-
-/* Odds of a rest against a turn by its duration. */
-static inline gd_real gd_attitude_duration_odds(gd_real seconds) {
-  const gd_real t = seconds / GD_ATTITUDE_LEVEL_S;
-  return GD_SQRT(GD_SQRT(GD_R(1.0) + t * t));
-}
 
 /* Raise the probability of rests as a segment grows longer than even turns last. */
 static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, gd_real now_s) {
-  const gd_real ratio = gd_attitude_duration_odds(now_s) / gd_attitude_duration_odds(before_s);
+  const gd_real ratio = gd_duration_odds(now_s) / gd_duration_odds(before_s);
   int i;
   for (i = 0; i < a->sum.count; i++) {
     gd_attitude_at(a, i)->weight *= gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? ratio : GD_R(1.0);

@@ -118,7 +118,7 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
   gd_real up[3], moved[3], moved_var;
   int i;
   gd_up_in_sensor(up, gd_attitude_at(a, 0)->q);
-  if (a->rest_probability > GD_ATTITUDE_MEASURED || gd_is_zero(m->rest_up)) {
+  if (a->rest_probability > GD_MAJORITY || gd_is_zero(m->rest_up)) {
     memcpy(m->rest_up, up, sizeof up);
     m->moved_var = 0;
   }
@@ -137,12 +137,12 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
 
 /* Widen the biases in motion, which differ from those at rest, for the first seconds. */
 static inline void gd_attitude_widen_by_motion(gd_attitude *a, gd_real seconds) {
-  const gd_real rate = GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS / GD_ATTITUDE_LONGEST_DRIFT_S;
+  const gd_real rate = GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS / GD_MAX_RAMP_S;
   int i;
   for (i = 0; i < a->sum.count; i++) {
     gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     const int is_at_rest = h->regime == GD_ATTITUDE_REST && a->segment.blocks > 0;
-    if (h->knows_bias && h->moving_s < GD_ATTITUDE_LONGEST_DRIFT_S && !is_at_rest) {
+    if (h->knows_bias && h->moving_s < GD_MAX_RAMP_S && !is_at_rest) {
       gd_add_variance(h->cov, GD_ATTITUDE_BIAS, rate * seconds);
     }
   }

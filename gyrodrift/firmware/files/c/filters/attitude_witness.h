@@ -4,14 +4,6 @@
 
 #include "attitude_evidence.h"
 
-/* Distance of the rates from the bias, in standard deviations, that contradicts a witness, as in restlevel. */
-#define GD_ATTITUDE_FIT_SIGMAS GD_R(6.0)
-/* Largest bias over the spread at power-on before any rest, as in restlevel. */
-#define GD_ATTITUDE_FASTEST_FIRST GD_R(20.0)
-/* Contradicting blocks that refute a witness, and how many a block that fits removes, as in restlevel. */
-#define GD_ATTITUDE_MOST_CONTRADICTIONS GD_R(5.0)
-#define GD_ATTITUDE_FIT_CREDIT GD_R(0.1)
-
 /* Window of a rest by a witness: as short as three blocks, with up to 15 deg/s of scatter. */
 static inline gd_attitude_kind gd_attitude_still(void) {
   static const gd_attitude_kind still = {3, GD_R(100.0), GD_R(100.0), GD_R(2.0)};
@@ -22,14 +14,14 @@ static inline gd_attitude_kind gd_attitude_still(void) {
 static inline int gd_attitude_fits_bias(gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real jump = GD_ATTITUDE_JUMP * a->c.bias_sigma, error = GD_R(0.1) * GD_ATTITUDE_RAD;
   const gd_real jump_var = jump * jump + error * error;
-  const int may_be_first = gd_largest(m->gyro) < GD_ATTITUDE_FASTEST_FIRST * a->c.bias_sigma;
+  const int may_be_first = gd_largest(m->gyro) < GD_MOST_FIRST * a->c.bias_sigma;
   int i, k;
   for (i = 0; i < a->sum.count; i++) {
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     int is_near = 1;
     for (k = 0; k < 3; k++) {
       const gd_real var = h->cov[gd_place(GD_ATTITUDE_BIAS + k, GD_ATTITUDE_BIAS + k)] + jump_var + m->gyro_var[k];
-      is_near = is_near && GD_ABS(m->gyro[k] - h->bias[k]) < GD_ATTITUDE_FIT_SIGMAS * GD_SQRT(gd_max(var, 0));
+      is_near = is_near && GD_ABS(m->gyro[k] - h->bias[k]) < GD_FIT_SIGMAS * GD_SQRT(gd_max(var, 0));
     }
     if (is_near || (may_be_first && !h->knows_bias)) {
       return 1;
@@ -45,7 +37,6 @@ static inline int gd_attitude_certain_rest(gd_attitude_candidate *out, gd_attitu
   if (block->still == 0 || block->moving > 0 || block->still < block->samples) {
     w->blocks = 0;
     w->is_believed = 1;
-    w->against = 0;
     return 0;
   }
   gd_count(&w->blocks);
@@ -53,11 +44,10 @@ static inline int gd_attitude_certain_rest(gd_attitude_candidate *out, gd_attitu
     return 0;
   }
   if (gd_attitude_last_window(out, &a->windows, gd_attitude_still(), a->c.limits) && gd_attitude_fits_bias(a, out)) {
-    w->against = gd_max(0, w->against - GD_ATTITUDE_FIT_CREDIT);
+    gd_count_fit(&w->contradictions);
     return 1;
   }
-  w->against += 1;
-  if (w->against >= GD_ATTITUDE_MOST_CONTRADICTIONS) {
+  if (gd_count_contradiction(&w->contradictions)) {
     w->is_believed = 0;
     gd_count(&w->refuted);
   }

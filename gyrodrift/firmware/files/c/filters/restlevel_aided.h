@@ -9,7 +9,6 @@
 #if GD_RESTLEVEL_AIDS
 
 #define GD_KNOWN_SHARE GD_R(0.01) /* variance of a bias that a measurement has made known, as a share of the prior */
-#define GD_MEASURED GD_R(0.5)     /* probability of a right measurement from which on the bias counts as measured */
 
 /* Update if the measurement is right; returns the density of the innovation. */
 static inline gd_real gd_rl_aid_step(gd_rl_kalman *k, const gd_rl_hypothesis *h, const gd_aid *aid,
@@ -43,7 +42,7 @@ static inline void gd_rl_aid_update(const gd_rl_coefficients *c, gd_rl_hypothesi
   h->checkpoint.yaw_deg += h->yaw_deg - before_deg;
   h->checkpoint.yaw_var = h->yaw_var;
   h->checkpoint.covariance = h->covariance;
-  if (share > GD_MEASURED) {
+  if (share > GD_MAJORITY) {
     h->moving_s = h->checkpoint.moving_s = GD_R(0.0);
     if (h->bias_var < GD_KNOWN_SHARE * c->turn_on_var) {
       h->knows_bias = 1;

@@ -4,9 +4,7 @@
 
 #include "restlevel_wander.h"
 
-#define GD_SPINS_PER_DPS GD_R(0.03) /* density of the rates of constant spins, 1/(deg/s) */
 #define GD_CHANCE_LEVELS GD_R(4.0)  /* chance levels for each constant spin, if levels wander */
-#define GD_LEVEL_S GD_R(12.0)       /* scale of the lengths of rests and spins */
 #define GD_CHANCE_STAYS GD_R(0.9)   /* probability that a chance level lasts for a further block */
 #define GD_NOISY_STAYS GD_R(0.985)  /* or a noisy motion whose block means scatter less than white noise */
 #define GD_GRADUAL_REST GD_R(0.01)  /* shares of rests, spins and chance levels that end gradually */
@@ -20,7 +18,7 @@ static inline gd_real gd_rl_cauchy_pdf(gd_real x, gd_real squared_width) {
 
 /* Density of spins that last so long, divided by the probability that a rest does. */
 static inline gd_real gd_rl_spin_density(gd_real seconds) {
-  return GD_SPINS_PER_DPS / GD_SQRT(GD_SQRT(GD_R(1.0) + seconds * seconds / (GD_LEVEL_S * GD_LEVEL_S)));
+  return GD_SPINS_PER_DPS / gd_duration_odds(seconds);
 }
 
 static inline gd_real gd_rl_noisy_density(const gd_rl_hypothesis *h, gd_real sensor_odds) {

@@ -22,9 +22,7 @@ static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
 static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_dps) {
   const gd_real seconds = gd_gap_length_s(step_s);
   const gd_real gap_var = gd_turn_var(seconds, s->rate_dps + rate_dps - GD_R(2.0) * s->bias_dps);
-  const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(seconds, GD_MAX_RAMP_S);
-  const gd_real drift_var =
-      gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
+  const gd_real drift_var = gd_drift_var(seconds, s->c.rate_walk_var, s->c.rate_ramp_dps_s, s->c.turn_on_var);
   const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
   uint8_t k;
   gd_rl_predict(s, s->GD_RL_SUMS.angle_deg, (gd_real)s->GD_RL_SUMS.seconds, angle_walk_var);

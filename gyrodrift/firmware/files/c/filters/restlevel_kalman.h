@@ -4,8 +4,6 @@
 
 #include "restlevel_model.h"
 
-#define GD_RAMP_PROBABILITY GD_R(0.3)  /* probability of a ramp of the bias since the last rest */
-#define GD_MAX_RAMP_S GD_R(20.0)       /* longest ramp */
 #define GD_MAX_LOG_ODDS (GD_IS_FLOAT ? GD_R(85.0) : GD_R(700.0)) /* beyond it exp() is infinite */
 
 /* Corrections of the mean, and the covariance after a measurement of the bias. */

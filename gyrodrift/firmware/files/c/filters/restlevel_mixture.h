@@ -5,9 +5,7 @@
 #include "restlevel_kalman.h"
 
 #define GD_MIN_WEIGHT GD_R(1e-9)
-#define GD_TAIL GD_R(0.045)         /* subtracted from probabilities for the variances: two sigmas hold 19 in 20 */
 #define GD_TURN_ON_FACTOR GD_R(4.0) /* a larger ratio of turn-on variances is two kinds of parts */
-#define GD_GATE_YAW_VAR GD_R(1e-4)  /* variance that the merge gate adds to yaw, deg^2 */
 
 /* Hypotheses in the order of their slots, twice as many as are kept. */
 typedef struct {
@@ -54,7 +52,7 @@ static inline int gd_rl_is_in_merge_gate(const gd_rl_hypothesis *h, const gd_rl_
   apart_dps = h->bias_dps - other->bias_dps;
   apart_deg = h->yaw_deg - other->yaw_deg;
   return apart_dps * apart_dps < least_var &&
-         apart_deg * apart_deg < GD_GATE_YAW_VAR + gd_min(h->yaw_var, other->yaw_var);
+         apart_deg * apart_deg < GD_SAME_YAW_DEG * GD_SAME_YAW_DEG + gd_min(h->yaw_var, other->yaw_var);
 }
 
 /* Merges the second into the first: mean and covariance of both together. */

@@ -3,9 +3,10 @@
 #define GD_RESTLEVEL_MODEL_H
 
 #include "aid.h"
+#include "beliefs.h"
+#include "contradictions.h"
 #include "gaps.h"
 #include "parameters.h"
-#include "parts.h"
 #include "restlevel_bias_state.h"
 #include "restlevel_rate_state.h"
 

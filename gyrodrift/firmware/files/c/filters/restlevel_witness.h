@@ -6,14 +6,9 @@
 
 #if GD_RESTLEVEL_AUXILIARY
 
-#define GD_FIT_SIGMAS GD_R(6.0)          /* a block mean further from the bias contradicts the sensor */
 #define GD_AGREEMENT_SIGMAS GD_R(4.0)    /* contradicting blocks within this of their mean have one level */
-#define GD_MOST_CONTRADICTIONS GD_R(5.0) /* contradicting blocks that refute the sensor */
-#define GD_FIT_CREDIT GD_R(0.1)          /* contradictions that a block which fits removes */
-#define GD_MOST_FIRST GD_R(20.0)         /* largest first bias, in sigmas of the turn-on bias */
 #define GD_MOST_JUMP GD_R(1.0)           /* largest jump of a known bias, in sigmas of the turn-on bias */
 #define GD_FIRST_BLOCKS 2                /* contradicting blocks of one level that show a first bias */
-#define GD_MAJORITY GD_R(0.5)            /* probability above which a state of the device counts as true */
 
 /* Counts the report of a sample: 1 at rest, 0 in motion, NaN without a report. */
 static inline void gd_rl_hear(gd_rl_witness *w, gd_real still) {
@@ -51,8 +46,8 @@ static inline gd_real gd_rl_known_weight(const gd_restlevel *s) {
   return weight;
 }
 
-/* Counts a contradicting block; it has the level of the contradicting blocks before, or a new level. */
-static inline void gd_rl_count_contradiction(gd_restlevel *s, gd_real mean_dps, gd_real mean_var, gd_real seconds) {
+/* Follows the level of contradicting blocks: that of those before, or a new one. */
+static inline void gd_rl_follow_level(gd_restlevel *s, gd_real mean_dps, gd_real mean_var, gd_real seconds) {
   gd_rl_witness *w = &s->witness;
   const gd_real ramp_dps = s->c.rate_ramp_dps_s * seconds;
   const gd_real spread_var = GD_R(2.0) * mean_var + ramp_dps * ramp_dps + s->noise.flicker_var;
@@ -65,7 +60,6 @@ static inline void gd_rl_count_contradiction(gd_restlevel *s, gd_real mean_dps, 
     w->agreeing_blocks = 1;
     w->level_dps = mean_dps;
   }
-  w->contradictions += GD_R(1.0);
 }
 
 /* Whether contradicting blocks up to the present one show a first bias, or a bias that has jumped. */
@@ -74,7 +68,7 @@ static inline int gd_rl_is_new_level(gd_restlevel *s, gd_real mean_dps, gd_real 
   const int is_known = gd_rl_known_weight(s) > GD_MAJORITY;
   const gd_real most = is_known ? GD_MOST_JUMP : GD_MOST_FIRST;
   gd_real away_dps, learned_dps;
-  gd_rl_count_contradiction(s, mean_dps, mean_var, seconds);
+  gd_rl_follow_level(s, mean_dps, mean_var, seconds);
   away_dps = is_known ? w->level_dps - s->bias_dps : w->level_dps;
   if (w->agreeing_blocks >= (is_known ? GD_CONFIRMED_BLOCKS : GD_FIRST_BLOCKS) &&
       away_dps * away_dps < most * most * s->c.turn_on_var) {
@@ -85,7 +79,7 @@ static inline int gd_rl_is_new_level(gd_restlevel *s, gd_real mean_dps, gd_real 
     w->agreeing_blocks = 0;
     return 1;
   }
-  if (w->contradictions < GD_MOST_CONTRADICTIONS) {
+  if (!gd_count_contradiction(&w->contradictions)) {
     return 0;
   }
   learned_dps = s->bias_dps - w->before_dps;
@@ -94,7 +88,6 @@ static inline int gd_rl_is_new_level(gd_restlevel *s, gd_real mean_dps, gd_real 
   if (w->refuted < UINT16_MAX) {
     ++w->refuted;
   }
-  w->contradictions = GD_MOST_CONTRADICTIONS - GD_R(1.0);
   w->agreeing_blocks = 0;
   return 0;
 }
@@ -127,7 +120,7 @@ static inline int gd_rl_is_certain_rest(gd_restlevel *s, gd_real mean_dps, gd_re
   ramp_dps = s->c.rate_ramp_dps_s * gd_min(w->since_s, GD_MAX_RAMP_S);
   fit_var = s->moments.bias_var + mean_var + s->noise.flicker_var + ramp_dps * ramp_dps;
   if (GD_ABS(mean_dps - s->bias_dps) < GD_FIT_SIGMAS * GD_SQRT(fit_var)) {
-    w->contradictions = gd_max(GD_R(0.0), w->contradictions - GD_FIT_CREDIT);
+    gd_count_fit(&w->contradictions);
     w->agreeing_blocks = 0;
     return 1;
   }
