@@ -246,7 +246,8 @@ def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
     """Posterior after the most probable sets were simulated as a whole and fitted again.
 
     An additional effect may only compensate the error of a sum of templates. So the best part of a set is simulated
-    before the set. A correction holds for the simulated sizes, so a set whose sizes move is simulated once more.
+    before the set. A correction holds for the simulated sizes, so a set that probably acts is simulated once
+    more if its sizes move.
     """
     sets, repeated = find_sets(scorer), set[tuple[str, ...]]()
     for _ in range(ROUNDS):
@@ -254,8 +255,8 @@ def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
         unsimulated = [_not_simulated(scorer, sets, item) for item in posterior.by_mass(SIMULATED)]
         some = list(dict.fromkeys(item for item in unsimulated if item is not None))[:AT_ONCE]
         if not some:
-            probable = posterior.by_mass(SIMULATED)
-            some = [item for item in probable if scorer.has_moved(item) and item.names not in repeated][:AT_ONCE]
+            probable = posterior.by_mass(NAMED)
+            some = [item for item in probable if scorer.has_moved(item) and item.names not in repeated]
             repeated.update(item.names for item in some)
         if not some:
             break

@@ -84,14 +84,14 @@ ROUNDS = 3
 
 
 WHITE_SIGMAS, MAD_ERROR = 3.0, 1.7
-"""Standard errors by which blocks of a second must scatter less than those of white noise before a part of the noise
-counts as vibration, and standard error of the logarithm of a variance that the median of n absolute values gives, times
-√n. Chosen: one white noise of 740 is beyond. Derived: 2/√1.36, as the median absolute deviation has 37 % of the
-efficiency of the standard deviation."""
+"""Standard errors by which blocks of a second must scatter less than white noise before a part of the noise counts as
+vibration. The second number times 1/√n is the standard error of a log variance from the median of n absolute values.
+Chosen: one white noise of 740 is beyond. Derived: 2/√1.36, as the median absolute deviation has 37 % of the efficiency
+of the standard deviation."""
 
 
 @dataclass(frozen=True, slots=True)
-class Vibration:
+class GyroVibration:
     """Part of the noise that is not white: shaking of the gyro, whose angle stays too small for the encoder.
 
     Its rates average out within a second. So white noise of the same size would cover a hundred times the scale error.
@@ -118,7 +118,7 @@ class Vibration:
         return replace(motion, vibration_dps=vibration_dps * (sigma_dps / float(np.std(vibration_dps))))
 
 
-NO_VIBRATION = Vibration()
+NO_VIBRATION = GyroVibration()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +135,7 @@ def calibrated(
     motion: ReplayedMotion,
     rig: Rig,
     least_noise_dps_rthz: float = 0.0,
-    vibration: Vibration = NO_VIBRATION,
+    vibration: GyroVibration = NO_VIBRATION,
 ) -> Rig:
     """The rig with sample rate, noise, bias and host times of a session, and without an offset of the encoder.
 
@@ -168,8 +168,12 @@ def calibrated(
 
 
 def vibration_of(
-    cleaned: Cleaned, design: DesignMatrix, posterior: MotionPosterior, rig: Rig, vibration: Vibration = NO_VIBRATION
-) -> Vibration:
+    cleaned: Cleaned,
+    design: DesignMatrix,
+    posterior: MotionPosterior,
+    rig: Rig,
+    vibration: GyroVibration = NO_VIBRATION,
+) -> GyroVibration:
     """Vibration of a recording, by blocks of a second that scatter less than those of the calibrated rig.
 
     The noise of single samples is calibrated already. A rest shows it without vibration, so only noise that is measured
@@ -191,7 +195,7 @@ def vibration_of(
         return vibration
     is_least = quick.gyro < quick.gyro.min() * (1.0 + RISES_SIGMAS * quick.bands.relative_error)
     lowest_hz = float(quick.bands.centers_hz[np.argmax(is_least)])
-    return Vibration(max((1.0 + vibration.variance_ratio) / ratio - 1.0, 0.0), lowest_hz)
+    return GyroVibration(max((1.0 + vibration.variance_ratio) / ratio - 1.0, 0.0), lowest_hz)
 
 
 def block_variance(cleaned: Cleaned, design: DesignMatrix) -> float:
@@ -288,7 +292,7 @@ def _above_rounding_dps(level: Level, step_dps: float) -> float:
 
 
 def _played(
-    cleaned: Cleaned, motion: ReplayedMotion, rig: Rig, vibration: Vibration, seed: int = CALIBRATION
+    cleaned: Cleaned, motion: ReplayedMotion, rig: Rig, vibration: GyroVibration, seed: int = CALIBRATION
 ) -> Cleaned:
     """Simulation of which only rate and angle are used; lost samples are interpolated, and nothing else is cleaned."""
     shaken = vibration.shaking(motion, rig.base, np.random.default_rng(seed))

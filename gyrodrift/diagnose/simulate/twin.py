@@ -37,7 +37,7 @@ from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
 from gyrodrift.diagnose.simulate.calibration import (
     NO_VIBRATION,
-    Vibration,
+    GyroVibration,
     calibrated,
     remaining_bias_dps,
     vibration_of,
@@ -107,7 +107,7 @@ class Subject:
     design: DesignMatrix
     rig: Rig
     reference: ReferenceNoise | None = None
-    vibration: Vibration = NO_VIBRATION
+    vibration: GyroVibration = NO_VIBRATION
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
     rebuilt_under: dict[SensorModel, "Subject"] = field(default_factory=dict, repr=False)
 
