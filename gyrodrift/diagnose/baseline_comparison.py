@@ -22,7 +22,7 @@ from gyrodrift.diagnose.inference.baseline import (
     chance_of,
     noise_variance_of,
 )
-from gyrodrift.diagnose.inference.conclusion import Conclusion
+from gyrodrift.diagnose.inference.conclusion import SURELY_UNKNOWN, Conclusion
 from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
@@ -186,7 +186,13 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     own = request._replace(rig=rig)
     simulated = simulated_of(own, origins, of_baseline)
     inferred = inferred_of(simulated, request.jobs, request.progress)
-    causes = [cause for cause in inferred.verdict.causes if cause.probability >= _adopted_from(cause)]
+    # A random cause beside something unknown may only stand for its scatter, so it stays in the background.
+    is_clear = inferred.explanation.posterior.unknown < SURELY_UNKNOWN
+    causes = [
+        cause
+        for cause in inferred.verdict.causes
+        if cause.probability >= _adopted_from(cause) and (is_clear or not cause.cause.is_random)
+    ]
     in_rig = {cause.effect.name for cause in causes}
     best = inferred.explanation.posterior.most_probable.placed
     background = [item.sized for item in best if item.sized.is_random and item.template.name not in in_rig]
