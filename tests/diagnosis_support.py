@@ -11,11 +11,15 @@ from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.ranking import ranking
-from gyrodrift.diagnose.predictive_checks.binned_medians import medians, trend_rms_dps
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
-from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence, ResidualChecks
-from gyrodrift.diagnose.predictive_checks.residual_series import ChangePoint, ResidualSeries, Spectra
+from gyrodrift.diagnose.predictive_checks.rate_errors import (
+    Compared,
+    Dependence,
+    RateErrors,
+    ResidualSeries,
+    Spectra,
+    trend_of,
+)
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.simulation.sessions import rig_yaml
@@ -54,10 +58,10 @@ def diagnosis(away: Amounts) -> Diagnosis:
         seconds=12.5,
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
-        ranking=ranking(explanation),
+        posterior=explanation.posterior.probable_sets(),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, none, [design()] * SESSIONS),
-        residuals=_residuals(),
+        rate_errors=_rate_errors(),
     )
 
 
@@ -82,11 +86,11 @@ def _session(number: int) -> DiagnosedSession:
     )
 
 
-def _residuals() -> ResidualChecks:
+def _rate_errors() -> RateErrors:
     rng = np.random.default_rng(1)
     rate_dps = np.repeat(rng.uniform(-90.0, 90.0, SECONDS // 10), 10)
     noise_dps = rng.normal(0.0, 0.01, (SESSIONS, 4, SECONDS))
-    hz = np.geomspace(0.01, 40.0, 30)
+    hz = np.geomspace(0.4, 50.0, 30)
     spectra = Spectra(hz, np.full(30, 3.0), np.full(30, 2.0), np.full(30, 1.0))
     minutes = np.arange(0.5, SECONDS, dtype=np.float64) / 60.0
     sessions = tuple(
@@ -94,39 +98,21 @@ def _residuals() -> ResidualChecks:
             number=number + 1,
             name=f"session-0{number + 1}",
             minutes=minutes,
-            real_dps=0.05 * rate_dps + noise_dps[number, 0],
-            before_dps=noise_dps[number, 1],
-            after_dps=0.05 * rate_dps + noise_dps[number, 2],
-            unexplained_dps=noise_dps[number, 3],
-            change_points=(ChangePoint(90, 0.25),) if number == 0 else (),
-            slow=spectra,
-            quick=spectra,
+            errors=Compared(0.05 * rate_dps + own[0], own[1], 0.05 * rate_dps + own[2], own[3]),
+            windows=np.zeros((3, 0, 256)),
+            period_s=0.01,
         )
-        for number in range(SESSIONS)
+        for number, own in enumerate(noise_dps)
     )
     x = np.tile(rate_dps, SESSIONS)
     names = ("rate", "temperature", "angle within the turn")
-    return ResidualChecks(sessions, tuple(_dependence(name, x, sessions) for name in names), (spectra,))
+    return RateErrors(sessions, tuple(_dependence(name, x, sessions) for name in names), spectra)
 
 
 def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> Dependence:
     order = np.argsort(x)
-    real, before, after, unexplained = (
-        np.concatenate([getattr(session, f"{column}_dps") for session in sessions])[order]
-        for column in ("real", "before", "after", "unexplained")
-    )
-    x = x[order]
-    return Dependence(
-        name=name,
-        unit="deg/s",
-        slack=1e-4,
-        x=x,
-        real_dps=real,
-        unexplained_dps=unexplained,
-        real=medians(x, real),
-        before=medians(x, before),
-        after=medians(x, after),
-        unexplained=medians(x, unexplained),
-        trend_before_dps=trend_rms_dps(x, real - before),
-        trend_dps=trend_rms_dps(x, unexplained),
-    )
+    columns = zip(*(session.errors for session in sessions), strict=True)
+    errors = Compared(*(np.concatenate(column)[order] for column in columns))
+    real, before, after, unexplained = (trend_of(x[order], column) for column in errors)
+    without = trend_of(x[order], errors.real - errors.before).rms
+    return Dependence(name, "deg/s", x[order], errors, (real, before, after, unexplained), without)

@@ -49,14 +49,12 @@ ROOMS = {
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate firmware_sim",
-    "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
-    "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "evaluation filters firmware_sim session session.checks tune",
-    "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
+    "diagnose": f"{BASE} diagnose.features diagnose.inference "
     "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session session.checks simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
-    "diagnose.next_recording diagnose.predictive_checks report",
+    "diagnose.predictive_checks report",
     "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim report",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",

@@ -49,8 +49,7 @@ def test_sockets_are_for_their_user(tmp_path: Path) -> None:
 
 
 def test_a_cluster_is_used_only_when_asked_for() -> None:
-    for command in ("tune", "diagnose"):
-        assert parser_of(command).get_default("cluster") is None
+    assert parser_of("tune").get_default("cluster") is None
     assert "## Trust" in (ROOT / "docs" / "fleet.md").read_text()
 
 

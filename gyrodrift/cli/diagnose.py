@@ -75,7 +75,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_jobs_option(parser)
     options.add_reading_options(parser)
-    options.add_cluster_option(parser, "replay")
     options.add_damage_option(parser)
 
 

@@ -11,42 +11,29 @@ import numpy as np
 from scipy.special import ndtri
 
 from firmware_sim.rig import Rig
-from gyrodrift.diagnose.features.vector import FEATURES, LINEAR, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
-from gyrodrift.diagnose.inference.baseline import (
-    CHANCE,
-    Baseline,
-    against,
-    amounts_of,
-    amplitudes_of,
-    baseline_of,
-    chance_of,
-    noise_variance_of,
-)
-from gyrodrift.diagnose.inference.conclusion import SURELY_UNKNOWN, Conclusion
-from gyrodrift.diagnose.inference.scorer import Placed
-from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
+from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
+from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
+from gyrodrift.diagnose.inference.conclusion import SURELY_UNKNOWN
+from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.lacking import SAME_RATE, is_same_rate, rates_hz
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, has_steps, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, reference_response_of
 from gyrodrift.diagnose.simulate.candidate import Touches
-from gyrodrift.diagnose.simulate.distribute import Origin
+from gyrodrift.diagnose.simulate.distribute import SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
-from gyrodrift.diagnose.simulate.responses import change_of
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.stages import (
     DiagnosisRequest,
-    Simulated,
     adopted,
     inferred_of,
     recordings_of,
     simulated_of,
-    tables_of,
     with_facts,
     with_recorded_axes,
 )
-from gyrodrift.values.arrays import Floats, Mask
+from gyrodrift.values.arrays import Mask
 
 SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
@@ -141,8 +128,8 @@ class ExplainedBaseline(NamedTuple):
         The rig with the causes of the baseline.
     baseline
         The difference between the baseline and this rig.
-    subjects, tables
-        Recordings of the baseline, calibrated to this rig, and their response tables without the difference.
+    subjects
+        Recordings of the baseline, calibrated to this rig.
     least_noise_dps_rthz
         Least noise that a recording of this device is calibrated to.
     remarks
@@ -156,7 +143,6 @@ class ExplainedBaseline(NamedTuple):
     rig: Rig
     baseline: Baseline
     subjects: list[Subject]
-    tables: tuple[ResponseTable, ...]
     least_noise_dps_rthz: float
     remarks: list[str]
     background: tuple[Sized, ...] = ()
@@ -174,17 +160,16 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     DataError
         If no recording of the baseline can be used.
     """
-    origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
+    of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
     temp_c = _constant_temp_c(of_baseline, recordings)
-    origins = [origin._replace(temp_c=temp_c) for origin in origins]
     of_baseline = [recording if temp_c is None else recording.at_temperature(temp_c) for recording in of_baseline]
     response = _response_of(of_baseline, recordings)
-    origins, of_baseline = with_corrected_reference(response, origins, of_baseline)
+    of_baseline = with_corrected_reference(response, of_baseline)
     base = request.rig.base
     rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
     rig = with_recorded_axes(rig, [*of_baseline, *recordings])
     own = request._replace(rig=rig)
-    simulated = simulated_of(own, origins, of_baseline)
+    simulated = simulated_of(own, of_baseline)
     inferred = inferred_of(simulated, request.jobs, request.progress)
     # A random cause beside something unknown may only stand for its scatter, so it stays in the background.
     is_clear = inferred.explanation.posterior.unknown < SURELY_UNKNOWN
@@ -200,19 +185,16 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
         subjects = [subject_of(recording, rig) for recording in of_baseline]
-        tables = tables_of(own._replace(rig=rig), origins, subjects, ())
+        tables = response_tables(SimulationPlan(tuple(subjects), ()), request.jobs, request.progress)
     if request.rig.base.three_axes is not None and rig.base.three_axes is None:
         remarks.append("its recordings have one axis: the yaw rate alone is compared")
     remarks = [f"baseline: {remark}" for remark in remarks] + _remarks(causes, len(of_baseline), response)
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    tables = without_baseline(tables, subjects, baseline)
     # If a device has less than half of the noise of its baseline, that is a gap, and it is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
-    return ExplainedBaseline(
-        rig, baseline, subjects, tables, least_noise, [*remarks, *differ], tuple(background), response
-    )
+    return ExplainedBaseline(rig, baseline, subjects, least_noise, [*remarks, *differ], tuple(background), response)
 
 
 def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceResponse | None) -> list[str]:
@@ -249,13 +231,9 @@ def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recordin
     return reference_response_of(of_baseline)
 
 
-def with_corrected_reference(
-    response: ReferenceResponse | None, origins: Sequence[Origin], recordings: Sequence[Recording]
-) -> tuple[list[Origin], list[Recording]]:
-    """Recordings with a corrected reference, and their origins; unchanged without a response."""
-    if response is None:
-        return [*origins], [*recordings]
-    return [origin._replace(response=response) for origin in origins], [response.applied(item) for item in recordings]
+def with_corrected_reference(response: ReferenceResponse | None, recordings: list[Recording]) -> list[Recording]:
+    """Recordings with a corrected reference; unchanged without a response."""
+    return recordings if response is None else [response.applied(item) for item in recordings]
 
 
 def _adopted_from(cause: NamedCause) -> float:
@@ -267,75 +245,3 @@ def without_baseline(
 ) -> tuple[ResponseTable, ...]:
     """Tables of recordings with the common difference of the baseline subtracted."""
     return tuple(against(tables, [subject.design for subject in subjects], baseline))
-
-
-class _RecordedSet(NamedTuple):
-    """A set of recordings in which the amount of a cause is fitted: those to be diagnosed, or those of the baseline."""
-
-    subjects: Sequence[Subject]
-    tables: Sequence[ResponseTable]
-
-    @property
-    def as_rms(self) -> Floats:
-        """(sessions, F) divisors of the features that make them RMS over a recording."""
-        return np.array([rms_scale(subject.design) for subject in self.subjects])
-
-    @property
-    def gaps(self) -> Floats:
-        """(sessions, F) recording minus simulation, minus the mean of the nulls, in the units of the features."""
-        return np.array([table.difference - table.nulls.mean(axis=0) for table in self.tables])
-
-    def change(self, cause: Sized, phase_deg: float | None = None) -> Floats:
-        """(sessions, F) change by a cause, as RMS; a free phase is the same in all recordings."""
-        phases_deg = None if phase_deg is None else np.full(len(self.subjects), phase_deg)
-        every = change_of([cause._replace(phases_deg=phases_deg)], self.subjects, self.tables)
-        return every.change / self.as_rms
-
-    def quadratures(self, cause: Sized) -> tuple[Floats, Floats]:
-        """Changes by a cause with a free phase, at 0 and 90 degrees."""
-        return self.change(cause, 0.0), self.change(cause, 90.0)
-
-
-def changes_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion) -> tuple[Verdict, list[str]]:
-    """The verdict without causes by which recordings of the device vary anyway, and a remark on each of them.
-
-    Out-of-catalog forms are tested like causes, because a device varies in these, too.
-
-    simulated
-        Simulations of the recordings, with the baseline subtracted.
-    """
-    verdict, explanation = inferred
-    is_form_of = {
-        placed.template.name: placed.template.is_out_of_catalogue
-        for placed in explanation.best.placed
-        if _is_chance(before, simulated, inferred, placed)
-    }
-    causes = [name for name, is_form in is_form_of.items() if not is_form and name in explanation.named]
-    forms = [name.removeprefix("?") for name, is_form in is_form_of.items() if is_form]
-    differences = [f"by as much {name} from one to the next" for name in causes]
-    differences += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
-    remarks = [f"baseline: recordings of this device differ {how}" for how in differences]
-    return (without_causes(verdict, causes, forms, explanation.evidence), remarks) if remarks else (verdict, [])
-
-
-def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion, placed: Placed) -> bool:
-    """Whether both sets of recordings of the device show a cause in equal amounts, except for chance."""
-    explanation, cause = inferred.explanation, placed.sized
-    names = [item.template.name for item in explanation.best.placed]
-    today, then = (_RecordedSet(recorded.subjects, recorded.tables) for recorded in (simulated, before))
-    sigma = (explanation.evidence.sigma / today.as_rms).mean(axis=0)
-    change_by_others = explanation.change([name for name in names if name != placed.template.name])
-    unexplained, was_unexplained = (today.gaps - change_by_others) / today.as_rms, then.gaps / then.as_rms
-    # A random effect has a mean in variances only. Its change of a coefficient differs from recording to recording.
-    has_mean = ~(LINEAR & cause.is_random)
-    if cause.phases_deg is None:
-        change = has_mean * (explanation.change(names) - change_by_others) / today.as_rms
-        shown, was_shown = (
-            amounts_of(unexplained, change, sigma),
-            amounts_of(was_unexplained, has_mean * then.change(cause), sigma),
-        )
-    else:
-        turns, was_turns = today.quadratures(cause), then.quadratures(cause)
-        change, _ = turns
-        shown, was_shown = amplitudes_of(unexplained, turns, sigma), amplitudes_of(was_unexplained, was_turns, sigma)
-    return chance_of(shown, was_shown, noise_variance_of(change, sigma), is_random=cause.is_random) > CHANCE

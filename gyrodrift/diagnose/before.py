@@ -163,11 +163,11 @@ def check_before(request: DiagnosisRequest, progress: OnProgress = ignore_progre
     DataError
         No recording can be used; the message says why.
     """
-    _, recordings, remarks = recordings_of(request.paths, progress, request.reading)
+    recordings, remarks = recordings_of(request.paths, progress, request.reading)
     lines = [f"recordings: {_contents(recordings)}"]
     lacking: dict[str, str] = {}
     if request.baseline:
-        _, of_baseline, baseline_remarks = recordings_of(request.baseline, progress, request.baseline_reading)
+        of_baseline, baseline_remarks = recordings_of(request.baseline, progress, request.baseline_reading)
         remarks += [f"baseline: {remark}" for remark in baseline_remarks]
         lines += [f"baseline: {_contents(of_baseline)}", *_differences(recordings, of_baseline)]
         for name in lacking_values(recordings, of_baseline).of_one_set:

@@ -9,7 +9,6 @@ import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.diagnose.baseline_comparison import (
-    changes_since,
     explained_baseline,
     with_corrected_reference,
     without_baseline,
@@ -17,18 +16,15 @@ from gyrodrift.diagnose.baseline_comparison import (
 from gyrodrift.diagnose.inference.baseline import against_one
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.halves import on_halves
-from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible, withdrawn
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
-from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
-from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
+from gyrodrift.diagnose.predictive_checks.rate_errors import rate_errors_of
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_impact_of
 from gyrodrift.diagnose.recording.facts import Contradiction, contradictions
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.stages import (
-    WHAT_NEXT,
     YAW_IMPACT,
     DiagnosisRequest,
     adopted,
@@ -55,12 +51,12 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         If no session can be used; the message says why for each session.
     """
     begun_s = time.monotonic()
-    origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+    recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
     lacking = None
     if request.baseline:
         request, lacking = without_columns_of_one_set(request, recordings)
         if lacking.of_one_set:
-            origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+            recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
         remarks += lacking.remarks
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
@@ -73,23 +69,20 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
-        origins, recordings = with_corrected_reference(explained.response, origins, recordings)
-        simulated = simulated_of(request, origins, recordings, partial(against_one, baseline=explained.baseline))
+        recordings = with_corrected_reference(explained.response, recordings)
+        simulated = simulated_of(request, recordings, partial(against_one, baseline=explained.baseline))
         tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
         simulated = simulated._replace(tables=tables)
         inferred = inferred_of(simulated, request.jobs, request.progress, explained.background)
-        verdict, of_chance = changes_since(explained, simulated, inferred)
-        remarks += [*explained.remarks, *of_chance]
+        remarks += explained.remarks
         baseline = tuple(_session(subject) for subject in explained.subjects)
     else:
-        simulated = simulated_of(request, origins, recordings)
+        simulated = simulated_of(request, recordings)
         inferred = inferred_of(simulated, request.jobs, request.progress)
-        verdict = inferred.verdict
     explanation, subjects = inferred.explanation, simulated.subjects
-    verdict = _with_negligible(verdict, subjects)
-    request.progress(WHAT_NEXT, 0, 0)
+    verdict = _with_negligible(inferred.verdict, subjects)
     untestable = named_apart(simulated.untestable, lacking)
-    following = what_next(verdict, explanation, subjects, untestable, request.rig, request.jobs)
+    following = what_next(verdict, explanation, subjects, untestable, request.rig)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
     request.progress(YAW_IMPACT, 0, 0)
@@ -111,12 +104,11 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
         rig_yaml=rig_yaml(with_stated_axes(_adopted(request.rig, verdict), stated)),
-        ranking=ranking(explanation),
+        posterior=explanation.posterior.probable_sets(),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
-        residuals=residual_checks_of(subjects, verdict.causes),
+        rate_errors=rate_errors_of(subjects, verdict.causes),
         baseline=baseline,
-        on_device=on_device_yaw(list(dict.fromkeys(origin.path for origin in origins)), request.reading),
         lacking=lacking,
     )
     return replace(result, seconds=time.monotonic() - begun_s)

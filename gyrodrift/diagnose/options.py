@@ -25,8 +25,8 @@ class DiagnoseOptions:
         Rig file of the simulator; None for the shipped rig.
     withhold
         Effects excluded from the candidates.
-    jobs, cluster
-        Processes; address of a Dask cluster that simulates, None for this machine.
+    jobs
+        Processes.
     baseline_reading
         Columns and units of the baseline; None for those of the sessions.
 
@@ -41,7 +41,6 @@ class DiagnoseOptions:
     baseline: Sequence[Path] = ()
     withhold: frozenset[str] = frozenset()
     jobs: int = 1
-    cluster: str | None = None
     inputs: InputOptions = AS_GIVEN
     baseline_reading: ReadingOptions | None = None
 
@@ -71,7 +70,6 @@ class DiagnoseOptions:
             rig,
             self.withhold,
             self.jobs,
-            self.cluster,
             progress,
             baseline,
             reading=self.inputs.reading,

@@ -5,11 +5,10 @@ from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.halves import Halves
-from gyrodrift.diagnose.inference.ranking import Ranked
+from gyrodrift.diagnose.inference.posterior import ProbableSet
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
-from gyrodrift.diagnose.predictive_checks.on_device import OnDeviceYaw
-from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
+from gyrodrift.diagnose.predictive_checks.rate_errors import RateErrors
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.lacking import LackingValues
@@ -70,18 +69,16 @@ class Diagnosis(ResultTable):
         Duration of the diagnosis.
     rig_yaml
         The rig with the causes switched on at their fitted sizes, as a file for `simulate` and `firmware_sim`.
-    ranking
-        The effects, the largest evidence first.
+    posterior
+        The sets of effects that have 0.95 of the probability together, the most probable first.
     threshold_z
         Pooled z beyond which a feature deviates.
     features
         Features of recordings and simulator, in the order of FEATURES.
-    residuals
+    rate_errors
         Rate errors of some sessions, recorded and simulated.
     baseline
         Sessions of the baseline, calibrated like the sessions.
-    on_device
-        Errors of the filter that the device runs itself; None unless all sessions have its yaw.
     lacking
         Values that the sessions or the baseline lack; None without a baseline.
     halves
@@ -101,12 +98,11 @@ class Diagnosis(ResultTable):
     seconds: float
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
-    ranking: tuple[Ranked, ...]
+    posterior: tuple[ProbableSet, ...]
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
-    residuals: ResidualChecks = field(repr=False)
+    rate_errors: RateErrors = field(repr=False)
     baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
-    on_device: OnDeviceYaw | None = None
     lacking: LackingValues | None = None
     halves: Halves | None = None
 

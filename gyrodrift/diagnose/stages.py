@@ -17,7 +17,7 @@ from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate, Need
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
-from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables, set_simulator
+from gyrodrift.diagnose.simulate.distribute import REPLAYED, SimulationPlan, response_tables, set_simulator
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.responses import Compared, plausible
@@ -31,10 +31,10 @@ CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "d
 
 
 CHECKED, CALIBRATED, SEARCHED = "sessions checked", "rig calibrated to sessions", "search for causes"
-WHAT_NEXT, YAW_IMPACT, REPORT = "what to record next", "yaw errors and tuning", "report"
+YAW_IMPACT, REPORT = "yaw errors and tuning", "report"
 """Stages, as the progress names them."""
 
-SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEXT: 1.0, YAW_IMPACT: 2.0, REPORT: 3.0}
+SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, YAW_IMPACT: 2.0, REPORT: 3.0}
 """Share of each stage in the duration. Measured on 3 sessions of 5 minutes with 2 processes."""
 
 
@@ -43,8 +43,6 @@ class DiagnosisRequest(NamedTuple):
 
     withheld
         Effects that are not tried.
-    cluster
-        Address of a cluster that simulates; None for processes on this computer.
     baseline
         Earlier recordings of the device: a difference that they show, too, is no gap.
     least_noise_dps_rthz
@@ -59,7 +57,6 @@ class DiagnosisRequest(NamedTuple):
     rig: Rig
     withheld: frozenset[str]
     jobs: int
-    cluster: str | None
     progress: OnProgress
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
@@ -89,10 +86,7 @@ class Simulated(NamedTuple):
 
 
 def simulated_of(
-    request: DiagnosisRequest,
-    origins: Sequence[Origin],
-    recordings: Sequence[Recording],
-    compared: Compared | None = None,
+    request: DiagnosisRequest, recordings: Sequence[Recording], compared: Compared | None = None
 ) -> Simulated:
     """Calibrate the rig to each session, and compute the responses of all candidates in each.
 
@@ -108,21 +102,8 @@ def simulated_of(
     tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld, has_axes=has_axes)
     untested = [item.effect for item in untestable if item.effect not in request.withheld]
     unseparated = tuple(name for name in untested if KINDS[name].acts_like is not None)
-    tables = tables_of(request, origins, subjects, tried, compared)
+    tables = response_tables(SimulationPlan(tuple(subjects), tuple(tried), compared), request.jobs, request.progress)
     return Simulated(subjects, tables, plausible(tried, tables), untestable, unseparated)
-
-
-def tables_of(
-    request: DiagnosisRequest,
-    origins: Sequence[Origin],
-    subjects: Sequence[Subject],
-    tried: Sequence[Candidate],
-    compared: Compared | None = None,
-) -> tuple[ResponseTable, ...]:
-    """Response tables of some sessions."""
-    hints, least_noise = hints_of(subjects), request.least_noise_dps_rthz
-    plan = SimulationPlan(tuple(origins), tuple(subjects), request.rig, hints, tuple(tried), least_noise, compared)
-    return response_tables(plan, request.jobs, request.cluster, request.progress)
 
 
 def inferred_of(
@@ -136,23 +117,21 @@ def inferred_of(
 
 def recordings_of(
     paths: Sequence[Path], progress: OnProgress = ignore_progress, reading: ReadingOptions = AS_WRITTEN
-) -> tuple[list[Origin], list[Recording], list[str]]:
-    """Recordings that passed the checks, with their origins and remarks."""
-    origins: list[Origin] = []
+) -> tuple[list[Recording], list[str]]:
+    """Recordings that passed the checks, with remarks."""
     recordings: list[Recording] = []
     remarks: list[str] = []
     for done, path in enumerate(paths):
         progress(CHECKED, done, len(paths))
         session = checked_session(path, reading)
         remarks += session.remarks
-        origins += [Origin(path, part, reading) for part in range(len(session.recordings))]
         recordings += session.recordings
     if not recordings:
         raise DataError("; ".join(remarks))
     together_s(recordings)
     if len(recordings) == 1:
         remarks.append("one session only: nothing could be held out, so the fit is not checked")
-    return origins, recordings, remarks
+    return recordings, remarks
 
 
 def without_columns_of_one_set(
@@ -165,7 +144,7 @@ def without_columns_of_one_set(
     DataError
         No recording of the baseline can be used.
     """
-    of_baseline = recordings_of(request.baseline, request.progress, request.baseline_reading)[1]
+    of_baseline, _ = recordings_of(request.baseline, request.progress, request.baseline_reading)
     lacking = lacking_values(recordings, of_baseline)
     reading = replace(request.reading, without=lacking.of_one_set)
     baseline_reading = replace(request.baseline_reading, without=lacking.of_one_set)

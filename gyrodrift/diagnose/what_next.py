@@ -1,4 +1,4 @@
-"""The next step: a motion that separates open hypotheses, or a sentence if no motion does."""
+"""The next step: a motion that shows the open effects, or a sentence if no motion does."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,88 +6,25 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from firmware_sim.effects.effect import Effect
-from firmware_sim.rig import Rig, with_replaced
+from firmware_sim.rig import Rig
 from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
-from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
-from gyrodrift.diagnose.next_recording.information import Discrimination
-from gyrodrift.diagnose.next_recording.profiles import STILL_S, profile_yaml, warmer_c
-from gyrodrift.diagnose.next_recording.simulated_features import NOTHING, PlannedMotion, RigHypothesis
+from gyrodrift.diagnose.next_recording import NextRecording, next_recording_of
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
 
-MOST = 0.99
-"""Largest probability that is stated. Chosen: it comes from a few simulations."""
-
-
-def sentence(recording: NextRecording, file: str) -> str:
-    """The sentence for `next`; `file` is where the profile is written."""
-    what, probability = _question(recording.names), _stated(recording.predicted)
-    if recording.repeated is not None and not recording.is_better_than_repeating:
-        return (
-            f"Record {recording.minutes:g} min more of the same: it tells {what} with probability "
-            f"{_stated(recording.repeated)}; {file} would with {probability}."
-        )
-    again = "" if recording.repeated is None else f"; more of the same would with {_stated(recording.repeated)}"
-    if not recording.is_worth_it:
-        return (
-            f"No motion of {recording.minutes:g} min tells {what}: the best, {file}, does so with probability "
-            f"{probability}. Record longer and more often."
-        )
-    words = " and ".join(maneuver.says(recording.limits) for maneuver in recording.maneuvers)
-    return (
-        f"Switch the device on and play {file} ({recording.minutes:g} min: {words}){_warming(recording)}: "
-        f"it tells {what} with probability {probability}{again}."
-    )
-
-
-def _stated(predicted: Discrimination) -> str:
-    return f"{min(predicted.probability, MOST):.2f}"
-
-
-def _question(names: Sequence[str]) -> str:
-    """The question in words, such as `bandwidth from latency` or `whether there is deadband`."""
-    causes = [name for name in names if name != NOTHING]
-    if len(causes) < len(names):
-        return f"whether there is {_listed(causes, 'or')}"
-    return f"{causes[0]} from {_listed(causes[1:], 'and')}"
-
-
-def _listed(names: Sequence[str], joint: str) -> str:
-    *first, last = names
-    return f"{', '.join(first)} {joint} {last}" if first else last
-
-
-def _warming(recording: NextRecording) -> str:
-    """Words on when to warm the air, because a table does not do that; empty if no maneuver warms it."""
-    seconds = (60.0 * recording.minutes - STILL_S) / len(recording.maneuvers)
-    starts_s = [STILL_S + number * seconds for number, maneuver in enumerate(recording.maneuvers) if maneuver.warms_air]
-    if not starts_s:
-        return ""
-    times = " and ".join(f"from {start_s:.0f} to {start_s + 0.5 * seconds:.0f} s" for start_s in starts_s)
-    return f", and warm the air by {warmer_c(seconds):.0f} °C {times} and let it cool"
-
-
 FILE = "next-profile.yaml"
 """Name of the file of the profile, in the folder of `rig.yaml`."""
-
-SEED = 0
-"""Seed of the simulations. Chosen: equal recordings get equal advice."""
 
 MINUTES = (1.0, 4.0)
 """Bounds of the length of a proposed recording, minutes, which is otherwise the median length of the recordings so far.
 Chosen: from the 60 s that a diagnosis needs, to a few minutes of work."""
 
-MOST_HYPOTHESES = 3
-"""Largest number of hypotheses that a motion is chosen for. Chosen: speed."""
-
-UNSEEN = 0.1
-"""Probability assumed for an effect of typical size that these sessions would not have shown. Chosen, not measured."""
+MOST_EFFECTS = 2
+"""Largest number of effects, beside the first of a tie, that a motion is chosen for. Chosen: each gets enough time."""
 
 SMALL_SHARE = 0.5
 """An effect that no cause names is an open question if its typical size is below this share of its smallest detectable
@@ -103,64 +40,50 @@ class Next(NamedTuple):
 
 
 def what_next(
-    verdict: Verdict,
-    explanation: Explanation,
-    subjects: Sequence[Subject],
-    untestable: Sequence[Untestable],
-    rig: Rig,
-    jobs: int,
+    verdict: Verdict, explanation: Explanation, subjects: Sequence[Subject], untestable: Sequence[Untestable], rig: Rig
 ) -> Next:
-    """The recording that separates the open hypotheses, or advice in a sentence if fewer than two are open.
-
-    jobs
-        Number of processes that simulate motions.
-    """
-    hypotheses = _open(verdict, explanation, subjects, rig)
-    if len(hypotheses) < 2:
-        return Next(_more_axes(verdict, explanation) or _without_experiment(verdict, untestable, len(subjects)), None)
-    minutes = round(
-        float(np.clip(np.median([subject.cleaned.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
-    )
-    recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].cleaned.recording.seconds / 60.0))
-    recording = next_recording_of(hypotheses, minutes, SEED, recorded, jobs)
-    return Next(sentence(recording, FILE), profile_yaml(recording.profile))
-
-
-def _open(
-    verdict: Verdict, explanation: Explanation, subjects: Sequence[Subject], rig: Rig
-) -> tuple[RigHypothesis, ...]:
-    """Open hypotheses: tied causes, or possible effects that are not named, or effects that would not have shown."""
-    base = subjects[0].rig.base
-    calibrated = rig.model_copy(update={"base": base})
+    """The recording that shows the open effects, or advice in a sentence if none is open."""
     tied = next((cause for cause in verdict.causes if _simulated_ties(cause, explanation)), None)
     if tied is not None:
-        placed = _simulated_ties(tied, explanation)[: MOST_HYPOTHESES - 1]
-        alternatives = [item.response.candidate.make(item.size) for item in placed]
-        other_causes = [cause.effect for cause in verdict.causes if cause is not tied]
-        return tuple(
-            RigHypothesis(effect.name, with_replaced(calibrated, (*other_causes, effect)), 1.0)
-            for effect in (tied.effect, *alternatives)
-        )
-    if verdict.causes:
-        return ()
-    shown = explanation.possible()[: MOST_HYPOTHESES - 1]
-    possible = [placed.response.candidate.make(placed.size) for placed in shown]
-    share = 1.0 / (1.0 + len(possible))
-    if verdict.kind is Kind.NONE and not possible:
-        possible, share = _unseen(explanation, rig), UNSEEN
-    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - share * len(possible))
-    return (nothing, *(RigHypothesis(effect.name, with_replaced(calibrated, (effect,)), share) for effect in possible))
+        instead = _simulated_ties(tied, explanation)[:MOST_EFFECTS]
+        names, question = [tied.effect.name, *instead], f"{tied.effect.name} from {_listed(instead, 'and')}"
+    else:
+        names = [] if verdict.causes else _possible(verdict, explanation, rig)
+        question = f"whether there is {_listed(names, 'or')}" if names else ""
+    if not names:
+        return Next(_more_axes(verdict, explanation) or _without_experiment(verdict, untestable, len(subjects)), None)
+    minutes = float(np.clip(np.median([subject.cleaned.recording.seconds / 60.0 for subject in subjects]), *MINUTES))
+    recording = next_recording_of(names, round(minutes, 1), subjects[0].rig.base)
+    return Next(_sentence(recording, question), recording.profile_yaml)
 
 
-def _simulated_ties(cause: NamedCause, explanation: Explanation) -> list[Placed]:
+def _sentence(recording: NextRecording, question: str) -> str:
+    return (
+        f"Switch the device on and play {FILE} ({recording.minutes:g} min: {recording.says}){recording.warming}: "
+        f"such motion tells {question} best."
+    )
+
+
+def _listed(names: Sequence[str], joint: str) -> str:
+    *first, last = names
+    return f"{', '.join(first)} {joint} {last}" if first else last
+
+
+def _simulated_ties(cause: NamedCause, explanation: Explanation) -> list[str]:
     """Effects that may act instead of a cause, except those that were not simulated: no motion separates these."""
-    return [item for name in cause.tied_with if (item := explanation.where_best(name)) is not None]
+    return [name for name in cause.tied_with if explanation.where_best(name) is not None]
 
 
-def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
+def _possible(verdict: Verdict, explanation: Explanation, rig: Rig) -> list[str]:
+    """Possible effects without a cause, or else those of typical size that these sessions would not have shown."""
+    possible = [placed.template.name for placed in explanation.possible()[:MOST_EFFECTS]]
+    return _unseen(explanation, rig) if verdict.kind is Kind.NONE and not possible else possible
+
+
+def _unseen(explanation: Explanation, rig: Rig) -> list[str]:
     """Effects of typical size that these sessions would not have shown, the least detectable first."""
     in_rig = {effect.name for effect in rig.effects}
-    ratios: list[tuple[float, Effect]] = []
+    ratios: list[tuple[float, str]] = []
     for item in detectable(explanation.scorer, explanation.evidence.effects()):
         typical, kind = CATALOGUE[item.effect].typical, KINDS[item.effect]
         if item.effect in in_rig or kind.is_read_off:
@@ -169,10 +92,8 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
         if item.value is not None and kind.less_is_more:
             least = 1.0 / least
         if least > 1.0 / SMALL_SHARE:
-            effect = CATALOGUE[item.effect].model_validate({"name": item.effect, **typical})
-            ratios.append((least, effect))
-    ratios.sort(key=lambda pair: -pair[0])
-    return [effect for _, effect in ratios[: MOST_HYPOTHESES - 1]]
+            ratios.append((least, item.effect))
+    return [name for _, name in sorted(ratios, key=lambda pair: -pair[0])[:MOST_EFFECTS]]
 
 
 def _more_axes(verdict: Verdict, explanation: Explanation) -> str:

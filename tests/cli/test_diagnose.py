@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cluster_support import cluster
 from page_support import parsed, row, words
 
 from firmware_sim.effects.catalogue import CATALOGUE
@@ -227,22 +226,6 @@ def test_sign_and_unit_are_told_before_anything_else(two: Path, tmp_path: Path) 
     assert sum("the sign opposite" in remark for remark in gap["remarks"]) == 2
     assert sum("in radians per second" in remark for remark in gap["remarks"]) == 2
     assert gap["causes"][0]["effect"] == "scale_factor"
-
-
-@pytest.mark.evaluation
-def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path, exported: tuple[Path, dict[str, Any], str]) -> None:
-    pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
-    with cluster(tmp_path, 2) as running:
-        shared = diagnosed(scaled, tmp_path / "shared", "--cluster", running.address, *FEW)
-    _, here, _ = exported
-    assert shared["verdict"] == here["verdict"]
-    assert [cause["effect"] for cause in shared["causes"]] == [cause["effect"] for cause in here["causes"]]
-    item, second = (gap["causes"][0]["parameters"]["error_percent"] for gap in (shared, here))
-    assert item["value"] == pytest.approx(
-        second["value"], rel=1e-4
-    )  # between sizes of the grid, which differ by a fifth
-    assert item["high"] == pytest.approx(second["high"], rel=1e-9)
-    assert shared["gap"]["before"] == pytest.approx(here["gap"]["before"], rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The sentence for what to record next where no motion is proposed."""
+"""The sentence for what to record next."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -25,7 +25,7 @@ def named() -> Verdict:
 
 def sentence(verdict: Verdict, *untestable: Untestable, sessions: int = 4) -> str:
     subjects = [cast("Subject", SimpleNamespace(rig=Rig()))] * sessions
-    return what_next(verdict, cast("Explanation", None), subjects, untestable, Rig(), 1).sentence
+    return what_next(verdict, cast("Explanation", None), subjects, untestable, Rig()).sentence
 
 
 def test_nothing_is_needed_where_the_gap_is_closed_and_nothing_deviates(named: Verdict) -> None:
@@ -73,8 +73,22 @@ def test_a_cause_that_no_motion_tells_from_another_needs_three_axes(named: Verdi
     tied = replace(named, causes=(replace(cause, tied_with=("misalignment",)),))
     subjects = [cast("Subject", SimpleNamespace(rig=Rig()))] * 4
     lacking = [Untestable("misalignment", "no rates about x and y")]
-    following = what_next(tied, explanation, subjects, lacking, Rig(), 1)
+    following = what_next(tied, explanation, subjects, lacking, Rig())
     assert following.sentence.startswith("Record with three axes")
     assert "tell scale_factor from misalignment" in following.sentence
     assert following.profile_yaml is None
     assert sentence(named, *lacking).startswith("Nothing: no ambiguity remains")
+
+
+def test_tied_causes_get_the_motion_that_tells_them_apart(named: Verdict) -> None:
+    """A scale error and a lag: several speeds, and quick changes."""
+    explanation = cast("Explanation", SimpleNamespace(where_best=lambda name: name))
+    (cause,) = named.causes
+    tied = replace(named, causes=(replace(cause, tied_with=("latency",)),))
+    recording = SimpleNamespace(seconds=180.0)
+    subject = SimpleNamespace(rig=Rig(), cleaned=SimpleNamespace(recording=recording))
+    following = what_next(tied, explanation, [cast("Subject", subject)] * 4, [], Rig())
+    assert following.sentence.startswith("Switch the device on and play next-profile.yaml (3 min: steps of both signs")
+    assert following.sentence.endswith("such motion tells scale_factor from latency best.")
+    assert following.profile_yaml is not None
+    assert "multisine" in following.profile_yaml

@@ -251,12 +251,4 @@ FAULTS = (
         "A response that recordings do not share corrects their references.",
         ("tests/diagnose/recording/test_reference_response.py",),
     ),
-    Fault(
-        "diagnose/random-scatter-is-the-device",
-        "gyrodrift/diagnose/inference/baseline.py",
-        "sets = (before,) if is_random else (today, before)",
-        "sets = (today, before)",
-        "An effect of chance is dropped because its amounts scatter.",
-        ("tests/diagnose/inference/test_two_sets.py",),
-    ),
 )

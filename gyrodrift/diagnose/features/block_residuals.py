@@ -4,16 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
+from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats
-from gyrodrift.values.constants import NORMAL_MAD
-
-HOLD_SIGMAS = 4.0
-"""Limit of residuals, in standard deviations, so that a single outlier does not count as a step of the bias. Chosen: 1
-of 16,000 normal residuals lies beyond."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +19,6 @@ class BlockResiduals:
         Coefficients of the vectors of `design.static`, shape (columns,).
     unexplained_dps
         Residuals after all static regressors.
-    even_dps
-        Residuals after all static regressors, limited to HOLD_SIGMAS, and 0 in blocks with a changing rate.
     bias_dps
         Bias: residuals after the fast regressors only, interpolated over blocks with a changing rate.
     """
@@ -33,7 +26,6 @@ class BlockResiduals:
     design: DesignMatrix
     static: Floats
     unexplained_dps: Floats
-    even_dps: Floats
     bias_dps: Floats
 
 
@@ -41,14 +33,10 @@ def block_residuals_of(cleaned: Cleaned, design: DesignMatrix) -> BlockResiduals
     """Compute the residuals of a recording or simulation."""
     centered_dps = _centered_dps(cleaned, design)
     static = _static(centered_dps, design)
-    unexplained_dps = _without_static(centered_dps, static, design)
-    limit_dps = HOLD_SIGMAS * NORMAL_MAD * median(np.abs(unexplained_dps)) + LEAST_DPS
-    limited_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
     return BlockResiduals(
         design=design,
         static=static,
-        unexplained_dps=unexplained_dps,
-        even_dps=np.where(design.regimes.block_is_even, limited_dps, 0.0),
+        unexplained_dps=_without_static(centered_dps, static, design),
         bias_dps=_bias_dps(centered_dps, design),
     )
 

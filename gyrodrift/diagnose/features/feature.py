@@ -38,7 +38,6 @@ def _square(root: Floats) -> Floats:
 RMS_DPS = FeatureReading("deg/s RMS")
 AMPLITUDE_DPS = FeatureReading("deg/s", _amplitude)
 AMPLITUDE_DEG = FeatureReading("deg", _amplitude)
-STANDARD_ERRORS = FeatureReading("standard errors")
 OVER_REST = FeatureReading("times as at rest", _amplitude)
 OVER_USUAL = FeatureReading("times as usual", _exponential)
 OVER_MIDDLE = FeatureReading("times its middle", _amplitude)

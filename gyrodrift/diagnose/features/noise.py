@@ -1,4 +1,4 @@
-"""Features of the noise at rest and in motion: variances of short means, a spectral line, bursts and tails."""
+"""Features of the noise at rest and in motion: variances of short means, a spectral line, bursts and outliers."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -12,22 +12,14 @@ from gyrodrift.diagnose.features.feature import (
     OVER_MIDDLE,
     OVER_NEIGHBORS,
     OVER_USUAL,
-    PERCENT_OF_SAMPLES,
     ResponseLaw,
     Statistic,
 )
 from gyrodrift.diagnose.features.spectral_line import LEAST_NOISE_DPS, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_GAIN, REST_LENGTHS, spreads_of
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, quantiles
+from gyrodrift.diagnose.recording.order_statistics import quantiles
 from gyrodrift.diagnose.recording.outliers import Cleaned
-from gyrodrift.values.arrays import Floats, Mask
-
-TAIL_SIGMAS = 5.0
-"""Standard deviations from which on a second difference counts as an outlier. Chosen: 1 of 1.7 million normal values
-lies beyond."""
-
-GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-"""The fractional parts of its multiples are uniform for any number of multiples."""
+from gyrodrift.values.arrays import Floats
 
 LEAST_SPIKES_DPS = 0.05
 """RMS of outliers that is negligible. Chosen: the noise of a sample of a usual gyro."""
@@ -36,7 +28,7 @@ LEAST_SAMPLES, FEW_SECONDS = 25, 20
 """Minimum number of samples in a window, and of windows without motion, for a search for bursts. Chosen: mean squares
 of fewer samples scatter too much, and two of 20 windows lie beyond the 90 % quantile."""
 
-MIDDLE = (2, 3)
+MIDDLE = (1, 2)
 """Indices in REST_LENGTHS of means of 4 and 8 samples: their mean log variance is the reference for all lengths.
 Chosen: `WHITE_LENGTHS` of spectral lines."""
 
@@ -102,22 +94,6 @@ def _burst_ratio(noise: SampleNoise) -> float:
     return float(np.log((much + least) / (usual + least)))
 
 
-def _tails(noise: SampleNoise, allowed: Mask) -> float:
-    """Square root of the share of second differences beyond TAIL_SIGMAS.
-
-    The differences are dithered uniformly within a step. Without dither the median of small counts jumps between two
-    values, and the share with it.
-    """
-    bends_dps = noise.bends_dps[allowed[2:]]
-    dither = np.arange(len(bends_dps)) * GOLDEN % 1.0 - 0.5
-    sizes = np.abs(bends_dps + noise.dps_per_lsb * dither)
-    if not len(sizes):
-        return 0.0
-    # With a smaller sigma, single counts would be outliers.
-    sigma = max(median(sizes) / MEDIAN_TO_SIGMA, 1.2 * noise.dps_per_lsb)
-    return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
-
-
 def _rest(index: int, length: int) -> Statistic[SampleNoise]:
     return Statistic(
         f"noise_rest_{length}", "sensor", "rest", f"at rest the noise of {length}-sample means differs in shape", 0.08,
@@ -161,16 +137,6 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
         "noise_uneven", "sensor", "rest", "the noise comes in bursts", 0.15,
         "0.15 in ln of a variance: 8 % of the amplitude", reading=OVER_USUAL, response=ResponseLaw.LOG_VARIANCE,
         compute=_burst_ratio,
-    ),
-    Statistic(
-        "tails_rest", "sensor", "rest", "the noise at rest has outliers", 0.01, "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
-        compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
-    ),
-    Statistic(
-        "tails_moving", "sensor", "moving", "the noise in motion has outliers", 0.01, "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
-        compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
     ),
     Statistic(
         "spike_power", "sensor", "always", "single samples are outliers", 0.5,

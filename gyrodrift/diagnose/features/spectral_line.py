@@ -63,7 +63,7 @@ def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
         windows = windows_within(cleaned.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
-    power = medians(_spectra(windows).T)[LOWEST:]
+    power = medians(power_spectra(windows).T)[LOWEST:]
     around = median_filter(power, LINE_NEIGHBORS, mode="nearest") + LEAST_NOISE_DPS**2 * WINDOW_POWER
     best = int(np.argmax(power / around))
     amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()
@@ -82,7 +82,7 @@ def white_dps(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> flo
     if len(windows) >= FEW_WINDOWS:
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
         # The median of an exponential distribution is ln 2 of its mean.
-        level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))
+        level = float(np.median(power_spectra(windows)[:, first:last]) / np.log(2.0))
         at_rest = float(np.sqrt(level / WINDOW_POWER))
     else:
         rest = [spreads.rest[REST_LENGTHS.index(length)] for length in WHITE_LENGTHS]
@@ -104,7 +104,7 @@ def windows_within(values: Floats, allowed: Mask) -> Floats:
     return windows
 
 
-def _spectra(windows: Floats) -> Floats:
+def power_spectra(windows: Floats) -> Floats:
     """Power spectra of windows, shape (windows, frequencies)."""
     centered = windows - windows.mean(axis=1, keepdims=True)
     power: Floats = np.abs(np.fft.rfft(centered * np.hanning(WINDOW))) ** 2

@@ -9,10 +9,10 @@ from gyrodrift.diagnose.features.regimes import Regimes
 from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
-REST_LENGTHS = (1, 2, 4, 8, 16, 32)
-MOVING_LENGTHS = (1, 2, 4)
-"""Samples in a mean, at rest and in motion. Chosen: octaves, in motion only as short as the third difference of a
-motion is almost 0."""
+REST_LENGTHS = (1, 4, 8, 32)
+MOVING_LENGTHS = (1, 4)
+"""Samples in a mean, at rest and in motion. Chosen: from one sample on, in motion only as long as the third difference
+of a motion is almost 0."""
 
 REST_ORDER, MOVING_ORDER = 2, 3
 """Orders of the differences. Chosen: the second difference of a constant rate or a ramp is 0. The third difference is

@@ -15,9 +15,10 @@ from gyrodrift.diagnose.features.feature import (
     ResponseLaw,
     Statistic,
 )
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, medians, quantiles
+from gyrodrift.diagnose.recording.order_statistics import median, medians, quantiles
 from gyrodrift.diagnose.recording.recording import Recording, fit_line
 from gyrodrift.values.arrays import Floats, Mask
+from gyrodrift.values.constants import NORMAL_MAD
 
 SLOW_S = 10.0
 """Length of the windows, s, whose medians show the wander of a clock without its scatter. Chosen: many samples for a
@@ -61,7 +62,7 @@ def stamps_of(recording: Recording) -> Stamps:
     return Stamps(
         ratio=slope_s / recording.period_s - 1.0 if recording.host_s is not None else 0.0,
         bends_s=bends_s,
-        scatter_s=size_s / MEDIAN_TO_SIGMA / BEND_SIGMAS,
+        scatter_s=size_s * NORMAL_MAD / BEND_SIGMAS,
         slow_s=slow_medians(off_s, recording.period_s),
     )
 
@@ -127,7 +128,7 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
 # fmt: on
 
 
-QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+QUANTILES = (0.05, 0.5, 0.75, 0.95)
 """Quantiles of the gaps between arrivals that are features. Chosen: middle and tails, since bunches make many gaps of
 0, and some long gaps."""
 
@@ -214,11 +215,6 @@ ARRIVALS: tuple[Statistic[Arrivals], ...] = (
         "arrival_wander", "link", "always", "arrivals wander slowly against the samples", 0.6,
         "0.6 in ln: 0.4 ms where they did not wander", reading=MILLISECONDS,
         compute=lambda arrivals: log_wander(arrivals.slow_s),
-    ),
-    Statistic(
-        "arrival_step", "link", "always", "arrivals shift suddenly", 0.7,
-        "0.7 in ln: 0.5 ms where there was no step", reading=MILLISECONDS,
-        compute=lambda arrivals: log_largest_step(arrivals.slow_s),
     ),
 )
 

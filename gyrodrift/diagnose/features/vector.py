@@ -49,7 +49,7 @@ OF_AXES = _mask(lambda feature: feature in AXES)
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
 
-SLOW = LINEAR | _begins("wander", "walk", "step", "scatter_")
+SLOW = LINEAR | _begins("wander", "walk", "scatter_")
 """Features that do not change with the sample rate."""
 
 REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(RESIDUAL_FEATURES))
@@ -83,10 +83,10 @@ OF_EVENTS = _begins("spike_", "slip_")
 NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
 """Features that do not depend on the step of the rate."""
 
-BY_BIAS = _begins("wander", "walk", "step", "ripple", "scatter", "line", "noise_uneven")
+BY_BIAS = _begins("wander", "walk", "ripple", "scatter", "line", "noise_uneven")
 """Features that increase with the scatter of block means."""
 
-BY_STEPS = _begins("noise_", "tails_", "equal_", "zero_share")
+BY_STEPS = _begins("noise_", "equal_", "zero_share")
 """Features that depend on the levels of the rate."""
 
 STEPS_MOST: Floats = np.where(IS_LOG, 2.0, 0.5)[BY_STEPS]

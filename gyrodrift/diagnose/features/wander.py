@@ -1,4 +1,4 @@
-"""Features of the block residuals: wander, steps, scatter and periods of the bias beyond the regressors."""
+"""Features of the block residuals: wander, scatter and periods of the bias beyond the regressors."""
 
 import numpy as np
 
@@ -8,7 +8,6 @@ from gyrodrift.diagnose.features.feature import (
     AMPLITUDE_DPS,
     OVER_CHANCE,
     OVER_REST,
-    STANDARD_ERRORS,
     ResponseLaw,
     Statistic,
 )
@@ -23,9 +22,6 @@ a logarithmic scale, from seconds to minutes."""
 EIGHTH = (0.25, "0.25 in ln of a variance: an eighth of the amplitude")
 """Relevance threshold of the logarithm of a variance, and its meaning. Chosen: the yaw by a wandering bias then changes
 by an eighth."""
-
-STEP_EDGE = 8
-"""Blocks at either end in which no step is searched. Chosen: a level of fewer blocks is too uncertain."""
 
 
 def _wander(count: int) -> Statistic[BlockResiduals]:
@@ -46,18 +42,6 @@ def _walk(count: int) -> Statistic[BlockResiduals]:
 def _log_step_variance(dps: Floats, count: int) -> float:
     """Logarithm of the variance of differences between successive means of `count` blocks."""
     return log_variance(np.diff(block_means(dps, count)))
-
-
-def largest_sum(dps: Floats) -> float:
-    """Largest absolute cumulative sum of the centered residuals, in standard errors of white noise.
-
-    For white noise it has Kolmogorov's distribution. A step of the mean increases it.
-    """
-    if len(dps) < 3 * STEP_EDGE:
-        return 0.0
-    sums = np.cumsum(dps - dps.mean())
-    spread = np.sqrt(np.mean(np.square(dps))) + LEAST_DPS
-    return float(np.abs(sums[STEP_EDGE:-STEP_EDGE]).max() / (spread * np.sqrt(len(dps))))
 
 
 def _moving_against_rest(blocks: BlockResiduals) -> float:
@@ -82,11 +66,6 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
         "wander_rest", "sensor", "rest", "the bias wanders at rest", *EIGHTH, reading=AMPLITUDE_DPS,
         response=ResponseLaw.LOG_VARIANCE,
         compute=lambda blocks: log_variance(blocks.unexplained_dps[blocks.design.regimes.block_at_rest]),
-    ),
-    Statistic(
-        "step", "sensor", "late", "the bias jumps", 1.0,
-        "1.0 standard errors: white noise goes beyond in 27 % of sessions (Kolmogorov's distribution)",
-        reading=STANDARD_ERRORS, compute=lambda blocks: largest_sum(blocks.even_dps),
     ),
 )
 """Features of the residuals after all static regressors."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ndtri, stdtr, stdtrit
+from scipy.special import ndtri, stdtrit
 
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_EVENTS, OF_LOSS, OF_TIMES, rms_scale
@@ -160,78 +160,3 @@ def against_one(table: ResponseTable, design: DesignMatrix, baseline: Baseline) 
     """The table of one recording, with the common difference of the baseline subtracted."""
     (compared,) = against([table], [design], baseline)
     return compared
-
-
-CHANCE = 0.05
-"""Probability by chance above which two sets of amounts count as equal. Chosen: the rate of false alarms of a
-diagnosis. With three recordings against two without the effect, 0.01 would require amounts that agree within a
-quarter."""
-
-NOISE_DEGREES = 2.0
-"""Degrees of freedom of the variance of an amount by noise. It is pooled with the variance between recordings (Smyth,
-Linear models and empirical Bayes methods, 2004)."""
-
-TINY = 1e-12
-"""Least square of a change, in units of sigma: without a change there is no amount. Chosen: far below the square of a
-change that shows."""
-
-
-SHOWS = 2.0
-"""Least norm of a change in standard deviations. A smaller change does not show. Chosen: as `NOTICEABLE` of
-templates."""
-
-
-def amounts_of(differences: Floats, changes: Floats, sigma: Floats) -> Floats:
-    """Amount of a change in each recording, by weighted least squares.
-
-    Recordings in which the change does not show are left out, unless it shows in none. An example is a limit of the
-    gyro that a recording never reaches.
-
-    differences, changes
-        (sessions, F) features of recordings minus those of the rig, and their change by a cause.
-    sigma
-        (F,) standard deviation of each feature.
-    """
-    shows = np.linalg.norm(changes / sigma, axis=1) > SHOWS
-    if shows.any():
-        differences, changes = differences[shows], changes[shows]
-    weighted = changes / np.square(sigma)
-    amounts: Floats = (weighted * differences).sum(axis=1) / np.maximum((weighted * changes).sum(axis=1), TINY)
-    return amounts
-
-
-def amplitudes_of(differences: Floats, quadratures: tuple[Floats, Floats], sigma: Floats) -> Floats:
-    """(sessions,) amplitude of an effect with a free phase in each recording, at least 0.
-
-    quadratures
-        (sessions, F) changes of the features by a cause at phases of 0 and 90 degrees.
-    """
-    columns, unexplained = np.stack(quadratures, axis=-1) / sigma[:, None], differences / sigma
-    parts = [np.linalg.lstsq(own, values)[0] for own, values in zip(columns, unexplained, strict=True)]
-    amplitudes: Floats = np.hypot(*np.transpose(parts))
-    return amplitudes
-
-
-def noise_variance_of(changes: Floats, sigma: Floats) -> float:
-    """Variance of an amount by independent noise of the features."""
-    return float(1.0 / max(np.square(changes / sigma).sum(axis=1).mean(), TINY))
-
-
-def chance_of(today: Floats, before: Floats, noise_variance: float, *, is_random: bool = False) -> float:
-    """Probability that the means of two sets of amounts of a device differ this much by chance; Student's test.
-
-    The larger of two probabilities counts: with the variance between recordings alone, and with that of noise included.
-
-    is_random
-        Whether the effect is random. Then its amounts scatter wherever it acts, and only those of the earlier set show
-        how much the device varies.
-    """
-    sets = (before,) if is_random else (today, before)
-    squares = sum(float(np.square(amounts - amounts.mean()).sum()) for amounts in sets)
-    apart = abs(float(today.mean() - before.mean())) / np.sqrt(1.0 / len(today) + 1.0 / len(before))
-    degrees = float(sum(len(amounts) - 1 for amounts in sets))
-    with_noise = degrees + NOISE_DEGREES, squares + NOISE_DEGREES * noise_variance
-    estimates = [(degrees, squares), with_noise] if degrees > 0.0 else [with_noise]
-    return max(
-        float(2.0 * stdtr(freedom, -apart / np.sqrt(max(total, TINY) / freedom))) for freedom, total in estimates
-    )

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.diagnose.inference.evidence import SEED, Evidence
 from gyrodrift.values.arrays import Floats
 
 WORST_Z = 20.0
@@ -68,9 +68,6 @@ def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
     total = sum(squares) or 1.0
     return tuple(replace(deviation, share=square / total) for deviation, square in zip(every, squares, strict=True))
 
-
-SEED = 0
-"""Seed of the bootstrap. Chosen: any, so that results repeat."""
 
 NO_GAP = 1.05
 """Ratio of gap and floor up to which there is no gap to close. Chosen: a smaller difference is too small to divide

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gyrodrift.diagnose.inference.conclusion import NAMED
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.posterior import Posterior, posterior_of
 from gyrodrift.diagnose.inference.scorer import EffectSet
@@ -13,9 +14,6 @@ LEAST_SESSIONS = 4
 
 SETS = 8
 """Most probable sets that are fitted again. Chosen: together with no effect they hold nearly all of the posterior."""
-
-NAMED = 0.5
-"""Probability from which on a half names an effect. Chosen: `NAMED` of the whole."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,9 @@ of the squared gap of the other."""
 
 MEMBER = 0.2
 """Least probability of the first effect of a slot: a sum over many improbable effects names none of them. Chosen."""
+
+MASS = 0.95
+"""Probability of the sets of effects that are listed together. Chosen, by convention: that of an interval."""
 
 RARE = 0.02
 """Probability below which an effect is not reported. Chosen: less than the prior, so the recordings speak against
@@ -56,6 +60,14 @@ class Slot:
     tied_with: tuple[str, ...]
     probability: float
     total: float
+
+
+class ProbableSet(NamedTuple):
+    """Effects of the catalog that act together, whether something unknown acts too, and the probability of this."""
+
+    effects: tuple[str, ...]
+    is_unknown: bool
+    probability: float
 
 
 @dataclass(frozen=True)
@@ -94,6 +106,16 @@ class Posterior:
         for hypothesis in self.hypotheses:
             masses[hypothesis.effect_set] = masses.get(hypothesis.effect_set, 0.0) + hypothesis.probability
         return sorted((item for item, mass in masses.items() if mass > least), key=lambda item: -masses[item])
+
+    def probable_sets(self) -> tuple[ProbableSet, ...]:
+        """The fewest sets of effects that have MASS of the probability together, the most probable first."""
+        masses: dict[tuple[tuple[str, ...], bool], float] = {}
+        for item in self.hypotheses:
+            key = tuple(sorted(name for name in item.names if not name.startswith("?"))), item.is_unknown
+            masses[key] = masses.get(key, 0.0) + item.probability
+        sets = [ProbableSet(*key, mass) for key, mass in sorted(masses.items(), key=lambda pair: -pair[1])]
+        before = np.cumsum([0.0, *(item.probability for item in sets)])
+        return tuple(item for item, mass in zip(sets, before[:-1], strict=True) if mass < MASS)
 
     def best_with(self, names: Collection[str]) -> EffectSet:
         """The most probable set with the given effects, or with as many of them as any set has."""

@@ -1,14 +1,13 @@
 """The verdict: its kind, the causes, the deviating features before and after, and negligible effects."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.inference.evidence import Evidence
-from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap, gap_of, no_gap, shared, unchanged
+from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import Sized
@@ -165,25 +164,3 @@ def with_negligible(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict
 def withdrawn(verdict: Verdict) -> Verdict:
     """The verdict with causes that stay out of the rig."""
     return replace(verdict, causes=tuple(replace(cause, is_withdrawn=True) for cause in verdict.causes))
-
-
-def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
-    """The verdict without some causes, and without some out-of-catalog forms, given by their features.
-
-    A deviating feature beyond the threshold stays. Below the threshold, the feature of a removed form goes. If only
-    forms are removed, all features below the threshold go, because they were listed for the forms.
-    """
-
-    def stays(deviation: Deviation) -> bool:
-        is_form = deviation.feature in forms
-        return abs(deviation.z) > evidence.threshold_z if is_form else bool(causes) or deviation.is_beyond_chance
-
-    where, unexplained = (shared([*filter(stays, group)]) for group in (verdict.where, verdict.unexplained))
-    verdict = replace(verdict, probability_none=None, probability_unknown=None)
-    kept = tuple(cause for cause in verdict.causes if cause.effect.name not in causes)
-    if kept:
-        kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind
-        return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)
-    kind = Kind.UNKNOWN if where else Kind.NONE
-    gap = gap_of(evidence, unchanged(evidence)) if where else no_gap(evidence)
-    return replace(verdict, kind=kind, causes=(), where=where, unexplained=where, gap=gap)

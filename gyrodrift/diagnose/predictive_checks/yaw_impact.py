@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, NamedCause
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.recalibration import corrected_recording, corrected_session
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -19,17 +19,16 @@ from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
 from gyrodrift.values.arrays import Floats
 
-EVALUATIONS = 300
+EVALUATIONS = 150
 """Evaluations of the cost in each of the three tunings. Chosen: for speed."""
 
 HELD_OUT_EVERY = 3
 """Every third session is held out, used for scoring and not for tuning. Chosen: two thirds remain for tuning."""
 
 
-WORSE_DEG, WORSE = 0.3, 0.2
-"""Increase of the error of yaw from which on a correction is worse, deg and as a share of the recorded error. Derived:
-the bound below which yaw is negligible. Chosen: the share, since a simulated walk of the bias is another one than the
-recorded."""
+WORSE = 0.2
+"""Increase of the error of yaw from which on a correction is worse, as a share of the recorded error; it is at least
+NEGLIGIBLE_DEG. Chosen, since a simulated walk of the bias is another one than the recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +51,9 @@ class YawImpact:
 
     @property
     def is_worse_with_causes(self) -> bool:
-        """Whether yaw is further from the recordings with the causes than without, by more than WORSE_DEG and WORSE."""
+        """Whether yaw with the causes is further from the recordings, by more than NEGLIGIBLE_DEG and WORSE."""
         before, after = (abs(e_deg - self.e_real_deg) for e_deg in (self.e_sim_before_deg, self.e_sim_after_deg))
-        return after - before > max(WORSE_DEG, WORSE * self.e_real_deg)
+        return after - before > max(NEGLIGIBLE_DEG, WORSE * self.e_real_deg)
 
 
 def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> YawImpact:

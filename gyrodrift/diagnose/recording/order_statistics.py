@@ -1,4 +1,4 @@
-"""Medians and quantiles, distinct values, and standard deviations of normal distributions from medians.
+"""Medians and quantiles, and distinct values.
 
 Medians and quantiles are those of numpy and scipy, to the bit, for values without NaN. They take a tenth of the time:
 numpy and scipy also look for NaN, or sort every window.
@@ -11,9 +11,6 @@ import numpy as np
 from gyrodrift.diagnose.recording.smoothing import mirrored
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats
-
-MEDIAN_TO_SIGMA = 0.6745
-"""Median of the absolute values of normal numbers, in standard deviations. Derived: Φ⁻¹(0.75)."""
 
 DECIMALS = 9
 """Decimals to which values of a level are equal. Chosen: parsing and unwrapping add less than a unit of the last."""

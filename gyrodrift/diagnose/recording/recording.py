@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gyrodrift.diagnose.recording.numbering import number_samples
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NORMAL_MAD
 from gyrodrift.values.errors import DataError
 
 MOST_DPS, MOST_DEG, MOST_S, MOST_MPS2 = 1e6, 1e9, 1e12, 1e6
@@ -74,7 +74,7 @@ class Recording:
             return True
         bends_s = np.abs(np.diff(self.device_s, 2))
         bends_s = bends_s[np.isfinite(bends_s)]
-        scatter_s = float(np.median(bends_s)) / MEDIAN_TO_SIGMA / np.sqrt(6.0) if len(bends_s) else np.inf
+        scatter_s = float(np.median(bends_s)) * NORMAL_MAD / np.sqrt(6.0) if len(bends_s) else np.inf
         return bool(scatter_s < EVEN_STAMPS * self.period_s)
 
     def at_temperature(self, temp_c: float) -> "Recording":

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.smoothing import gaussian
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NORMAL_MAD
 
 CLIP_SIGMAS = 6.0
 """Standard deviations at which the noise is clipped. Chosen: larger deviations are slips or interpolated gaps."""
@@ -38,7 +38,7 @@ class ReferenceNoise:
 def reference_noise_of(reference_deg: Floats, step_deg: float, motion: ReplayedMotion) -> ReferenceNoise | None:
     """Noise of a reference, (n,); None if it is at most three steps, which rounding may explain."""
     residual_deg = _without_effects(reference_deg - motion.angle_deg, motion)
-    usual_deg = np.median(np.abs(residual_deg)) / MEDIAN_TO_SIGMA
+    usual_deg = np.median(np.abs(residual_deg)) * NORMAL_MAD
     if usual_deg <= 3.0 * step_deg:
         return None
     return ReferenceNoise(np.clip(residual_deg, -CLIP_SIGMAS * usual_deg, CLIP_SIGMAS * usual_deg), motion.period_s)

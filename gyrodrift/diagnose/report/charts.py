@@ -5,10 +5,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from gyrodrift.diagnose.predictive_checks.binned_medians import Medians
 from gyrodrift.diagnose.predictive_checks.feature_comparison import Band, FeatureComparison
-from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
+from gyrodrift.diagnose.predictive_checks.rate_errors import Dependence, ResidualSeries, Spectra, Trend
 from gyrodrift.report.chart import (
     AxisScale,
     Chart,
@@ -45,7 +43,6 @@ UNITS = {
     "times its neighbors": "power, over that of neighboring frequencies",
     "times as usual": "variance of the noisiest seconds, over the median",
     "of the encoder's": "largest rate, over that of the encoder",
-    "standard errors": "largest step, in standard errors",
     "jumps": "jumps of the angle",
     "samples": "samples missing in a row",
 }
@@ -93,33 +90,26 @@ def _bars(x: Floats, band: Band, color: str, width: float) -> list[ChartSeries]:
 
 def dependence_chart(dependence: Dependence, *, has_causes: bool) -> Chart:
     """Above, the rate errors against a regressor; below, the residual against it."""
-    lines = _lines(dependence.real, dependence.before, dependence.after, has_causes=has_causes)
-    remaining = dependence.unexplained
-    residual = _medians(remaining, RESIDUAL)
-    above, below = (
-        _cloud_scale(label, values, drawn)
-        for label, values, drawn in (
-            ("error, deg/s", dependence.real_dps, [medians.y for medians, _ in lines]),
-            ("residual, deg/s", dependence.unexplained_dps, [remaining.y]),
-        )
-    )
+    x, errors = dependence.x, dependence.errors
+    real, before, after, remaining = dependence.trends
+    lines = _lines(real, before, after, has_causes=has_causes)
+    above = _cloud_scale("error, deg/s", errors.real, [trend.y for trend, _ in lines])
+    below = _cloud_scale("residual, deg/s", errors.unexplained, [remaining.y])
     parts = [
-        Part(
-            above, [_cloud(dependence.x, dependence.real_dps, above), *(_medians(*medians) for medians in lines)], 5.0
-        ),
+        Part(above, [_cloud(x, errors.real, above), *(_trend(*trend) for trend in lines)], 5.0),
         Part(
             below,
             [
                 line(y=0.0, color="quiet", width=0.8),
-                _cloud(dependence.x, dependence.unexplained_dps, below),
-                _errors(remaining, dependence.slack),
-                residual,
+                _cloud(x, errors.unexplained, below),
+                _errors(remaining),
+                _trend(remaining, RESIDUAL),
             ],
             4.0,
         ),
     ]
-    x = scale_of(f"{dependence.name}, {dependence.unit}", [dependence.x])
-    return Chart(f"Rate error against {dependence.name}", x, parts, TWO_PARTS_PX)
+    scale = scale_of(f"{dependence.name}, {dependence.unit}", [x])
+    return Chart(f"Rate error against {dependence.name}", scale, parts, TWO_PARTS_PX)
 
 
 def _lines(real: T, before: T, after: T, *, has_causes: bool) -> list[tuple[T, str]]:
@@ -149,27 +139,23 @@ def _cloud(x: Floats, y: Floats, scale: AxisScale) -> ChartSeries:
     return ChartSeries(x[shown], limited[shown], "quiet", Shape.DOTS, width=3.0, opacity=0.55)
 
 
-def _errors(medians: Medians, slack: float) -> ChartSeries:
+def _errors(trend: Trend) -> ChartSeries:
     """Standard errors of medians as a band, or as bars if there are few medians."""
-    wide = ERRORS * medians.error + slack * np.abs(medians.x)
-    shape, opacity = (Shape.STROKES, 1.0) if len(medians.x) < FEW else (Shape.BAND, 0.22)
-    return ChartSeries(
-        medians.x, medians.y - wide, RESIDUAL, shape, medians.x, medians.y + wide, width=1.8, opacity=opacity
-    )
+    wide = ERRORS * trend.error
+    shape, opacity = (Shape.STROKES, 1.0) if len(trend.x) < FEW else (Shape.BAND, 0.22)
+    return ChartSeries(trend.x, trend.y - wide, RESIDUAL, shape, trend.x, trend.y + wide, width=1.8, opacity=opacity)
 
 
-def _medians(medians: Medians, color: str) -> ChartSeries:
-    if len(medians.x) >= FEW:
-        return _curve(medians.x, medians.y, color)
-    return ChartSeries(medians.x, medians.y, color, Shape.DOTS, name=NAMES[color], width=5.5)
+def _trend(trend: Trend, color: str) -> ChartSeries:
+    if len(trend.x) >= FEW:
+        return _curve(trend.x, trend.y, color)
+    return ChartSeries(trend.x, trend.y, color, Shape.DOTS, name=NAMES[color], width=5.5)
 
 
 def over_time_chart(session: ResidualSeries, *, has_causes: bool) -> Chart:
     """Running medians of the recorded and simulated rate errors, and of the residual."""
-    lines = _lines(session.real_dps, session.before_dps, session.after_dps, has_causes=has_causes)
-    smooth = [(_smooth(values), color) for values, color in lines]
-    remaining = _smooth(session.unexplained_dps)
-    jumps = [float(session.minutes[change_point.second]) for change_point in session.change_points]
+    smooth = [(_smooth(values), color) for values, color in _lines(*session.errors[:3], has_causes=has_causes)]
+    remaining = _smooth(session.errors.unexplained)
     limits = np.array([-LEAST_DPS, LEAST_DPS])
     parts = [
         Part(
@@ -182,7 +168,6 @@ def over_time_chart(session: ResidualSeries, *, has_causes: bool) -> Chart:
             [
                 line(y=0.0, color="quiet", width=0.8),
                 _curve(*thinned(session.minutes, remaining), RESIDUAL, RESIDUAL),
-                *(line(x=jump, color=RESIDUAL, key=RESIDUAL, dash="dotted") for jump in jumps),
             ],
             4.0,
         ),
@@ -199,21 +184,10 @@ def _smooth(values: Floats) -> Floats:
     return smooth
 
 
-def spectrum_charts(parts: Sequence[Spectra], *, has_causes: bool) -> list[Chart]:
-    """A chart for each range of frequencies: recorded and simulated amplitude spectral densities, on a common scale."""
-    lines = [_lines(part.real, part.before, part.after, has_causes=has_causes) for part in parts]
-    y = log_scale("rate error, deg/s/√Hz", [values for curves in lines for values, _ in curves], DECADE)
-    return [
-        Chart(
-            "Spectrum of the rate error",
-            AxisScale("frequency, Hz", float(part.hz[0]), float(part.hz[-1]), ScaleKind.LOG),
-            [
-                Part(
-                    y,
-                    [_curve(part.hz, np.where(values > 0.0, values, np.nan), color, color) for values, color in curves],
-                )
-            ],
-            220,
-        )
-        for part, curves in zip(parts, lines, strict=True)
-    ]
+def spectrum_chart(spectra: Spectra, *, has_causes: bool) -> Chart:
+    """Recorded and simulated amplitude spectral densities at rest."""
+    curves = _lines(*spectra[1:], has_causes=has_causes)
+    y = log_scale("rate, deg/s/√Hz", [values for values, _ in curves], DECADE)
+    x = AxisScale("frequency, Hz", float(spectra.hz[0]), float(spectra.hz[-1]), ScaleKind.LOG)
+    shown = [_curve(spectra.hz, np.where(values > 0.0, values, np.nan), color, color) for values, color in curves]
+    return Chart("Spectrum of the rate at rest", x, [Part(y, shown)], 220)

@@ -12,14 +12,13 @@ from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
+from gyrodrift.diagnose.what_next import FILE as PROFILE
 from gyrodrift.io.files import write_whole
 from gyrodrift.report.numbers import significant, write_json
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary. Chosen: a summary fits on a
 screen."""
-
-PROFILE = "next-profile.yaml"
 
 NAMES = ("gap.json", "rig.yaml", PROFILE, "report.html")
 """Names of the files of a diagnosis."""
@@ -52,6 +51,10 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": verdict.kind.value,
         "probability_none": _rounded(verdict.probability_none),
         "probability_unknown": _rounded(verdict.probability_unknown),
+        "posterior": [
+            {"effects": list(item.effects), "unknown": item.is_unknown, "probability": round(item.probability, 4)}
+            for item in diagnosis.posterior
+        ],
         "causes": [_cause(cause) for cause in verdict.causes],
         "negligible": [{**_cause(item.cause), "yaw_deg": round(item.yaw_deg, 4)} for item in verdict.negligible],
         "where": [_deviation(item) for item in verdict.where],
@@ -59,7 +62,6 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "gap": asdict(verdict.gap),
         "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
-        **({} if diagnosis.on_device is None else {"on_device": asdict(diagnosis.on_device)}),
         **({} if diagnosis.halves is None else {"halves": asdict(diagnosis.halves)}),
         "detectable": {
             item.effect: {item.parameter: item.value, "unit": item.unit}
@@ -140,7 +142,6 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         *lines,
         _gap_line(diagnosis),
         _yaw_line(diagnosis),
-        *_on_device_lines(diagnosis),
         *([] if diagnosis.halves is None else [f"check on halves: {diagnosis.halves.says}"]),
         f"next: {diagnosis.next_step}",
     ]
@@ -168,16 +169,6 @@ def _yaw_line(diagnosis: Diagnosis) -> str:
     )
     corrected = f", {after} corrected" * bool(diagnosis.verdict.causes)
     return f"mean yaw error, one filter: {real} recordings, {before} simulator as it is{corrected}"
-
-
-def _on_device_lines(diagnosis: Diagnosis) -> list[str]:
-    """A line about the filter that the device runs itself; none for a device without one."""
-    errors = diagnosis.on_device
-    if errors is None:
-        return []
-    device, ours = (f"{significant(value, 3)} deg" for value in (errors.e_device_deg, errors.e_restlevel_deg))
-    share = "" if errors.within_2_sigma is None else f", {100.0 * errors.within_2_sigma:.0f} % within its 2 σ"
-    return [f"heading error on the recordings: {device} filter in the device{share}, {ours} restlevel"]
 
 
 def _listed(deviations: Sequence[Deviation]) -> str:

@@ -2,12 +2,13 @@
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.verdict import Kind
+from gyrodrift.diagnose.predictive_checks.rate_errors import RATE
 from gyrodrift.diagnose.report import text
 from gyrodrift.diagnose.report.charts import dependence_chart
 from gyrodrift.diagnose.report.effect_words import effect_words, says
 from gyrodrift.diagnose.report.features import largest_deviation
 from gyrodrift.diagnose.report.files import headline
-from gyrodrift.diagnose.report.residuals import RATE, dependence_name
+from gyrodrift.diagnose.report.residuals import dependence_name
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.report.page import Section
 
@@ -30,7 +31,6 @@ WHERE = 3
 
 PICTURES = {
     **dict.fromkeys(("latency", "bandwidth"), "acceleration"),
-    **dict.fromkeys(("timestamp_jitter", "usb_batching"), "acceleration, either way"),
     **dict.fromkeys(("g_sensitivity", "encoder_eccentricity"), "angle within the turn"),
     **dict.fromkeys(("temp_bias", "temp_scale"), "temperature"),
     "warmup": "time since the session began",
@@ -114,7 +114,7 @@ def _limits(diagnosis: Diagnosis) -> list[str]:
 
 def _pictures(diagnosis: Diagnosis) -> list[tuple[object, object]]:
     """A chart for each named cause, the largest share first; the largest deviation where no quantity shows a cause."""
-    by_name = {item.name: item for item in diagnosis.residuals.dependences}
+    by_name = {item.name: item for item in diagnosis.rate_errors.dependences}
     causes = diagnosis.verdict.causes_by_share
     names = dict.fromkeys(PICTURES.get(cause.effect.name, "") for cause in causes)
     panels: list[tuple[object, object]] = [

@@ -9,28 +9,20 @@ from gyrodrift.diagnose.export.formats import FormatExport
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report import text
 from gyrodrift.diagnose.report.features import features
-from gyrodrift.diagnose.report.files import PROFILE
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.residuals import residuals
 from gyrodrift.diagnose.report.tables import calibration, detectable, exported, glossary, negligible, sessions
 from gyrodrift.diagnose.report.text import in_rig
 from gyrodrift.diagnose.result import Diagnosis
+from gyrodrift.diagnose.what_next import FILE as PROFILE
 from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, provenance
 
 
 def causes(diagnosis: Diagnosis) -> Section:
     """The section of the causes."""
-    verdict = diagnosis.verdict
-    marks = {
-        **{item.cause.effect.name: "negligible" for item in verdict.negligible},
-        **{name: "tied" for cause in verdict.causes for name in cause.tied_with},
-        **{cause.effect.name: "named" for cause in verdict.causes},
-    }
-    ranking = sorted(diagnosis.ranking, key=lambda ranked: (-round(ranked.probability, 2), -ranked.gain))
-    values = {"diagnosis": diagnosis, "words": text, "ranking": ranking, "marks": marks}
-    heading = "Which effect explains it" if verdict.where else "What each effect would explain"
-    return Section("diagnose/report/templates/causes.html", values, heading)
+    heading = "Which effect explains it" if diagnosis.verdict.where else "Which sets of effects are possible"
+    return Section("diagnose/report/templates/causes.html", {"diagnosis": diagnosis, "words": text}, heading)
 
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:

@@ -2,33 +2,25 @@
 
 from markupsafe import Markup
 
-from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
-from gyrodrift.diagnose.report.charts import dependence_chart, over_time_chart, spectrum_charts
-from gyrodrift.diagnose.report.text import marks, number
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.predictive_checks.rate_errors import RATE, Dependence
+from gyrodrift.diagnose.report.charts import dependence_chart, over_time_chart, spectrum_chart
+from gyrodrift.diagnose.report.text import marks
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.report.numbers import significant
 from gyrodrift.report.page import Section, marked, titled
-from gyrodrift.values.words import counted
 
 NAMED = 3
 """Largest number of dependences in the introduction. Chosen: more make a sentence hard to read."""
 
-RATE = "rate"
-"""Name of the regressor of the figure at the top of the page."""
-
-NEGLIGIBLE_DPS = 2e-3
-"""RMS below which a dependence is practically negligible, deg/s. Derived: the relevance threshold of a bias that
-depends on angle or direction, `features/columns.py`."""
-
-MOST_CHANGE_POINTS = 4
-"""Largest number of change points that are listed for a session. Chosen: they fit on a line."""
+NEGLIGIBLE_DPS = FEATURES[NUMBER["direction"]].threshold
+"""RMS below which a dependence is practically negligible, deg/s: that of a bias that depends on the direction."""
 
 
 def residuals(diagnosis: Diagnosis) -> Section:
     """The section of the rate errors."""
-    checks, has_causes = diagnosis.residuals, bool(diagnosis.verdict.causes)
-    by_size = sorted(((item.trend_dps, item.name) for item in checks.dependences), reverse=True)
+    checks, has_causes = diagnosis.rate_errors, bool(diagnosis.verdict.causes)
+    by_size = sorted(((item.after_dps, item.name) for item in checks.dependences), reverse=True)
     values = {
         "has_causes": has_causes,
         "is_random": any(cause.cause.is_random for cause in diagnosis.verdict.causes),
@@ -45,14 +37,16 @@ def residuals(diagnosis: Diagnosis) -> Section:
         ],
         "over_time": [
             (
-                titled(series.name, _change_points(series), f"{series.number}. "),
+                titled(series.name, f"{series.minutes[-1]:.1f} min", f"{series.number}. "),
                 over_time_chart(series, has_causes=has_causes),
             )
             for series in checks.sessions
         ],
-        "spectra": list(
-            zip(map(_range, checks.spectra), spectrum_charts(checks.spectra, has_causes=has_causes), strict=True)
-        ),
+        "spectra": [
+            (Markup("<strong>At rest</strong>"), spectrum_chart(spectra, has_causes=has_causes))
+            for spectra in (checks.spectra,)
+            if spectra is not None
+        ],
         "marks": marks(has_causes=has_causes),
         "switches": marks(has_causes=has_causes, is_switched=True),
         "spectrum_switches": marks(has_causes=has_causes, is_switched=True, has_residual=False),
@@ -63,26 +57,10 @@ def residuals(diagnosis: Diagnosis) -> Section:
 
 def dependence_name(dependence: Dependence, *, has_causes: bool) -> Markup:
     """Name of the chart of a regressor."""
-    before = f"{_dps(dependence.trend_before_dps)} → " if has_causes else ""
-    note = f"part of the residual that follows it: {before}{_dps(dependence.trend_dps)} deg/s RMS"
+    before = f"{_dps(dependence.before_dps)} → " if has_causes else ""
+    note = f"part of the residual that follows it: {before}{_dps(dependence.after_dps)} deg/s RMS"
     return Markup("<strong>{}</strong><br/>{}").format(dependence.name, marked("note", note))
 
 
 def _dps(value: float) -> str:
     return f"{value:.3f}" if value < 1.0 else significant(value, 3)
-
-
-def _range(spectra: Spectra) -> Markup:
-    ends = (significant(hz, 2) for hz in (spectra.hz[0], spectra.hz[-1]))
-    return Markup("<strong>{} to {} Hz</strong>").format(*ends)
-
-
-def _change_points(series: ResidualSeries) -> str:
-    count = len(series.change_points)
-    if not count:
-        return "no change points"
-    listed = [
-        f"{series.minutes[change_point.second]:.1f} min ({number(change_point.step_dps, 2)})"
-        for change_point in series.change_points[:MOST_CHANGE_POINTS]
-    ]
-    return f"{counted(count, 'change point')}: {', '.join(listed)}{' …' * (count > MOST_CHANGE_POINTS)}"

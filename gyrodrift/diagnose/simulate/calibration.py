@@ -20,13 +20,14 @@ from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
+from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.recording.quick_motion import RISES_SIGMAS, QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
 from gyrodrift.values.arrays import Floats, Mask
+from gyrodrift.values.constants import NORMAL_MAD
 
 NEIGHBORS = 100
 """Arrivals in a group. The median of a group is subtracted. Chosen: a slow wander of the clocks is not jitter."""
@@ -200,7 +201,7 @@ def vibration_of(
 
 def block_variance(cleaned: Cleaned, design: DesignMatrix) -> float:
     """Variance of the differences of neighboring block residuals, by their median; steps hardly change it."""
-    return (median(np.abs(np.diff(unexplained_dps(cleaned, design)))) / MEDIAN_TO_SIGMA) ** 2
+    return (NORMAL_MAD * median(np.abs(np.diff(unexplained_dps(cleaned, design))))) ** 2
 
 
 def is_hidden_at_rest(cleaned: Cleaned, design: DesignMatrix, rig: Rig) -> bool:

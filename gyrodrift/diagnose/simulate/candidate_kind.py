@@ -96,8 +96,6 @@ class CandidateKind:
         Name of the parameter that is the size.
     variants
         Function from hints to the variants to try.
-    meaning
-        One sentence for the report that says how the effect acts, without a full stop.
     group
         Name of a group of effects with similar responses; None for a group of its own.
     needs, touches
@@ -119,12 +117,14 @@ class CandidateKind:
     acts_like
         Name of another effect: with a negative size, it has the same response in recordings that lack a need. Both
         effects then stay possible.
+    meaning
+        Of a plug-in: one sentence that says how the effect acts, without a full stop. `report/effect_words.py` has
+        those of the catalog.
     """
 
     name: str
     parameter: str
     variants: Callable[[Hints], Sequence[Variant]]
-    meaning: str
     group: str | None = None
     needs: tuple[Need, ...] = ()
     touches: Touches = Touches.EVERYTHING
@@ -135,6 +135,7 @@ class CandidateKind:
     less_is_more: bool = False
     is_read_off: bool = False
     acts_like: str | None = None
+    meaning: str = ""
 
     def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
         """One candidate for each variant; for an effect in the rig, only candidates that change it."""

@@ -100,88 +100,77 @@ EFFECTS = (
     # Linear effects: two simulations give all sizes.
     CandidateKind(
         "scale_factor", "error_percent", linear(0.01, 10.0),
-        "the rate is too large or too small by the same share at every speed",
         "scale", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.06,
     ),
     CandidateKind(
         "scale_asymmetry", "error_percent", linear(0.005, 5.0),
-        "the rate is too large in one direction and too small in the other",
         "even in rate", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.03,
     ),
     CandidateKind(
-        "nonlinearity", "error_percent_fs", linear(0.003, 3.0), "the gain changes with the rate, most at full speed",
+        "nonlinearity", "error_percent_fs", linear(0.003, 3.0),
         None, (Need.MOTION,), Touches.SLOW_RATE, matters_from=0.02,
     ),
     CandidateKind(
         "vibration_rectification", "bias_dps_at_100_dps", linear(0.002, 2.0),
-        "the bias grows with the square of the rate",
         "even in rate", (Need.MOTION,), Touches.SLOW_RATE, matters_from=0.006,
     ),
     CandidateKind(
         "temp_bias", "slope_dps_per_c", one_of(linear_grid(0.0005, 0.5), CURVES, _shown_curves),
-        "the bias follows the temperature",
         "slow bias", (Need.TEMPERATURE,), Touches.SLOW_RATE, matters_from=0.0012,
     ),
     CandidateKind(
-        "temp_scale", "slope_percent_per_c", linear(0.0005, 0.5), "the gain follows the temperature",
+        "temp_scale", "slope_percent_per_c", linear(0.0005, 0.5),
         None, (Need.MOTION, Need.TEMPERATURE), Touches.SLOW_RATE, matters_from=0.006,
     ),
     CandidateKind(
         "warmup", "amplitude_dps", one_of(linear_grid(0.003, 3.0), WARMUPS),
-        "the bias settles after power-on, quickly first and then slower",
         "slow bias", (), Touches.SLOW_RATE, matters_from=0.012,
     ),
     CandidateKind(
-        "clock_drift", "ppm", linear(10.0, 50000.0), "the device's clock runs fast or slow against the host's",
+        "clock_drift", "ppm", linear(10.0, 50000.0),
         "clock", (Need.HOST,), Touches.TIMES, is_exact=True, matters_from=30.0,
     ),
     CandidateKind(
         "g_sensitivity", "amplitude_dps", once_per_turn(0.001, 1.0),
-        "the bias changes once per turn, as on a tilted table",
         "once per turn", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.004,
     ),
     CandidateKind(
         "encoder_eccentricity", "amplitude_deg", once_per_turn(0.005, 5.0),
-        "the encoder's angle errs once per turn, as with a disc off its center",
         "once per turn", (Need.MOTION,), Touches.VALUES, is_exact=True, matters_from=0.02,
     ),
     # Effects on values, delays and times: every size of the grid is simulated.
     CandidateKind(
         "misalignment", "tilt_deg",
         hinted("about_deg", lambda hints: hints.lean_deg - 90.0, 1.5, 3.0, 5.0, 8.0, 12.0, 17.0, 23.0, 30.0),
-        "the sensor is tilted, so that the rate reads its cosine",
         "scale", (Need.MOTION, Need.AXES), Touches.VALUES, is_exact=True, matters_from=2.0,
         acts_like="scale_factor",
     ),
     CandidateKind(
-        "deadband", "width_dps", read_off(lambda hints: hints.least_dps), "rates below a width read zero",
+        "deadband", "width_dps", read_off(lambda hints: hints.least_dps),
         "coarse values", (Need.MOTION,), Touches.VALUES, is_read_off=True,
     ),
     CandidateKind(
-        "quantization", "step_dps", read_off(_coarser_dps), "the rate comes in coarser steps than the rig says",
+        "quantization", "step_dps", read_off(_coarser_dps),
         "coarse values", (), Touches.VALUES, is_read_off=True,
     ),
     CandidateKind(
-        "saturation", "limit_dps", read_off(lambda hints: hints.largest_dps), "rates beyond a limit are cut off",
+        "saturation", "limit_dps", read_off(lambda hints: hints.largest_dps),
         None, (Need.MOTION,), Touches.VALUES, is_exact=True, less_is_more=True, is_read_off=True,
     ),
     CandidateKind(
-        "bandwidth", "cutoff_hz", _low_passes, "quick changes of the rate are smoothed away and come late",
+        "bandwidth", "cutoff_hz", _low_passes,
         LAG, (Need.MOTION,), Touches.VALUES, of_size=_time_constant_s, less_is_more=True,
     ),
     CandidateKind(
         "latency", "delay_ms", simulated(0.3, 2.0, 8.0, 20.0, 50.0, 120.0, 400.0),
-        "the rate comes a fixed time later than the motion",
         LAG, (Need.MOTION,), Touches.VALUES, matters_from=1.0,
     ),
     CandidateKind(
         "backlash", "play_deg", simulated(0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0),
-        "the encoder stays behind by a play when the motion reverses",
         "reversal", (Need.MOTION,), Touches.VALUES, matters_from=0.03,
     ),
     CandidateKind(
         "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
-        "the device's time stamps scatter",
         "times", (), Touches.TIMES, matters_from=0.06,
     ),
     CandidateKind(
@@ -190,51 +179,46 @@ EFFECTS = (
             simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0, 250.0),
             _uneven_bunches,
         ),
-        "samples reach the host in bunches", "times", (Need.HOST,), Touches.TIMES, matters_from=2.0,
+        "times", (Need.HOST,), Touches.TIMES, matters_from=2.0,
     ),
     CandidateKind(
-        "sample_drop", "share_percent", simulated(0.01, 0.1, 1.0, 4.0, 16.0, 40.0), "samples never arrive",
+        "sample_drop", "share_percent", simulated(0.01, 0.1, 1.0, 4.0, 16.0, 40.0),
         None, (Need.COUNTER,), realisations=2, matters_from=0.02,
     ),
     CandidateKind(
-        "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0, 50.0), "a sample repeats the one before it",
+        "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0, 50.0),
         "coarse values", (Need.MOTION,), Touches.VALUES, realisations=2, matters_from=0.05,
     ),
     # Random effects, tones, and the steps of the encoder.
     CandidateKind(
         "bias_instability", "floor_dph", simulated(3.0, 50.0, 1000.0),
-        "the bias wanders slowly, and stays about where it is (1/f noise)",
         "stochastic bias", (), Touches.RATE, realisations=REALISATIONS, matters_from=3.0,
     ),
     CandidateKind(
         "rate_random_walk", "density_dps_rts", simulated(0.0002, 0.005, 0.1),
-        "the bias walks away by small random steps",
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.0003,
     ),
     CandidateKind(
         "popcorn", "step_dps",
         one_of(simulated_grid(0.01, 0.2, 5.0), [{"dwell_s": dwell_s} for dwell_s in (8.0, 25.0, 80.0)]),
-        "the bias jumps to and fro between two levels",
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.01,
     ),
     CandidateKind(
         "spikes", "share_percent",
         hinted("height_dps", lambda hints: hints.spike_dps, 0.003, 0.02, 0.07, 0.3, 2.0),
-        "single rates are outliers", "outliers", (), Touches.VALUES, realisations=3, is_read_off=True,
+        "outliers", (), Touches.VALUES, realisations=3, is_read_off=True,
     ),
     CandidateKind(
         "encoder_slip", "per_hour", hinted("step_deg", lambda hints: hints.slip_deg, 6.0, 30.0, 120.0, 600.0),
-        "the encoder's angle jumps, and stays there",
         "outliers", (Need.MOTION,), Touches.VALUES, realisations=3, is_read_off=True,
     ),
     CandidateKind(
         "vibration", "amplitude_dps",
         hinted("frequency_hz", lambda hints: hints.line_hz, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 20.0),
-        "a tone of one frequency lies in the rate", None, (), Touches.VALUES, matters_from=0.02,
+        None, (), Touches.VALUES, matters_from=0.02,
     ),
     CandidateKind(
         "encoder_quantization", "cpr", read_off(lambda hints: hints.angle_step_deg),
-        "the encoder has fewer counts per turn than the rig says",
         None, (Need.MOTION,), Touches.VALUES, of_size=_counts_per_turn, less_is_more=True, is_read_off=True,
         realisations=4,  # which counts a motion passes is random
     ),

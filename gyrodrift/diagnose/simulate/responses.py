@@ -18,13 +18,13 @@ from gyrodrift.diagnose.simulate.response_table import ENOUGH, ResponseTable, Si
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 from gyrodrift.values.arrays import Floats
 
-NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
+NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 18, 3, 10
 """Null runs of all sessions together; and the minimum and maximum per session. Chosen: speed."""
 
 FIRST_NULL_SEED = 1000
 """First seed of the null runs. Chosen: far from those of base runs and realizations, which begin at 0."""
 
-REALISATIONS_PER_NULL_RUN, NULL_RUNS_OF_FEW = 2, 8
+REALISATIONS_PER_NULL_RUN, NULL_RUNS_OF_FEW = 2, 6
 """Maximum number of realizations of a random candidate, per null run of a session. Chosen: for a few sessions about
 fifty in all sessions together. The realizations of a candidate with less than ENOUGH are pooled. Up to three sessions,
 which have so many null runs, each have them all; more sessions have about as many together."""
@@ -38,7 +38,7 @@ def null_runs_of(sessions: int) -> int:
 RULED_OUT = 30.0
 """Norm of all features, in standard deviations, by which a size lies further from a recording than no effect does.
 Larger sizes are not simulated. Chosen: a chi-squared of 900 and more, so that no error of a standard deviation from
-four null runs matters."""
+three null runs matters."""
 
 ADDED = (Touches.SLOW_RATE, Touches.RATE)
 """Parts that are changed by effects that only add to the rate."""
@@ -222,12 +222,6 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
 def _with_rest_of(first_features: Floats, base_features: Floats) -> Floats:
     """The first features, completed with those of a run without the candidate."""
     return np.concatenate([first_features, base_features[len(first_features) :]])
-
-
-def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:
-    """Change of the features by a set of candidates that act together, in all sessions."""
-    pairs = enumerate(zip(subjects, tables, strict=True))
-    return together([change_in(effects, index, subject, table) for index, (subject, table) in pairs])
 
 
 def together(sessions: Sequence[SimulatedSet]) -> SimulatedSet:

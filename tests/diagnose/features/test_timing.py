@@ -33,7 +33,7 @@ def test_a_perfect_clock_has_only_the_least() -> None:
     assert result["clock_ratio"] == pytest.approx(0.0, abs=1e-9)
     assert result["stamp_scatter"] == pytest.approx(np.log(3e-5), abs=0.02)
     assert result["stamp_step"] == pytest.approx(np.log(5e-4), abs=0.02)
-    assert [result[f"arrival_gap_{percent}"] for percent in (1, 50, 99)] == pytest.approx([1.0] * 3, abs=1e-3)
+    assert [result[f"arrival_gap_{percent}"] for percent in (5, 50, 95)] == pytest.approx([1.0] * 3, abs=1e-3)
     assert (result["drop_share"], result["drop_runs"], result["repeat_share"], result["disorder_share"]) == (0, 0, 0, 0)
 
 
@@ -73,8 +73,8 @@ def test_a_clock_that_wanders_has_its_sigma() -> None:
 def test_arrivals_in_bunches_have_long_gaps_and_none() -> None:
     """Five at a time: four gaps in five are nothing, one is five periods."""
     result = arrived((np.arange(COUNT) // 5 * 5 + 4).astype(np.float64) * PERIOD_S)
-    gaps = [result[f"arrival_gap_{percent}"] for percent in (1, 5, 25, 50, 75, 95, 99)]
-    assert gaps == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 5.0], abs=1e-6)
+    gaps = [result[f"arrival_gap_{percent}"] for percent in (5, 50, 75, 95)]
+    assert gaps == pytest.approx([0.0, 0.0, 0.0, 5.0], abs=1e-6)
     # Off the line by 0 to 4 periods alike: a standard deviation of √2 of them.
     assert result["arrival_scatter"] == pytest.approx(np.log(np.sqrt(2.0) * PERIOD_S + 5e-4), abs=0.01)
 

@@ -1,11 +1,10 @@
-"""How a bias wanders, steps and scatters, of series of known statistics."""
+"""How a bias wanders and scatters, of series of known statistics."""
 
 import numpy as np
 import pytest
 from features_support import white
 
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_variance
-from gyrodrift.diagnose.features.wander import largest_sum
 
 NOTHING = np.log(LEAST_DPS**2)
 
@@ -36,19 +35,3 @@ def test_means_of_white_noise_scatter_less(count: int) -> None:
 def test_means_are_of_whole_blocks() -> None:
     assert block_means(np.array([1.0, 3.0, 5.0, 9.0, 100.0]), 2).tolist() == [2.0, 7.0]
     assert len(block_means(np.ones(3), 4)) == 0
-
-
-def test_a_step_in_the_middle_has_the_largest_sum() -> None:
-    series = np.repeat([-1.0, 1.0], 200)
-    assert largest_sum(series) == pytest.approx(200.0 / np.sqrt(400.0), rel=0.003)
-
-
-def test_sums_of_white_noise_follow_kolmogorov() -> None:
-    result = np.array([largest_sum(white(1.0, seed, 1000)) for seed in range(300)])
-    assert result.mean() == pytest.approx(0.87 - 0.58 / np.sqrt(1000.0), abs=0.05)
-    assert np.mean(result > 1.0) == pytest.approx(0.27, abs=0.08)
-
-
-@pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(300)])
-def test_too_little_to_see_gives_numbers(values: np.ndarray) -> None:
-    assert largest_sum(values) == 0.0

@@ -25,6 +25,16 @@ def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
     assert 0.0 <= result.no_gap + result.unknown <= 1.0
 
 
+def test_the_probable_sets_are_the_fewest_with_95_percent() -> None:
+    """Each set of effects once with and once without something unknown."""
+    sets = posterior({"rate": 10.0, "lag": 5.0}, SCALE, SAME, DRIFT).probable_sets()
+    assert {sets[0].effects, sets[1].effects} == {("scale_factor",), ("latency",)}
+    assert not sets[0].is_unknown
+    assert sum(item.probability for item in sets[:-1]) < 0.95 <= sum(item.probability for item in sets) <= 1.0
+    (only,) = posterior({"rate": 0.1}, SCALE).probable_sets()[:1]
+    assert (only.effects, only.is_unknown) == ((), False)
+
+
 def test_two_effects_that_do_the_same_are_tied() -> None:
     result = posterior({"rate": 10.0, "lag": 5.0, "clock_ratio": 10.0, "stamp_wander": 5.0}, SCALE, SAME, DRIFT)
     slots = {frozenset({slot.name, *slot.tied_with}): slot for slot in result.slots()}

@@ -7,7 +7,6 @@ import pytest
 from inference_support import Amounts, candidate, concluded, simulated
 
 from firmware_sim.rig import parse_effect
-from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import (
     NEGLIGIBLE_DEG,
@@ -15,7 +14,6 @@ from gyrodrift.diagnose.inference.verdict import (
     NamedCause,
     is_small,
     with_negligible,
-    without_causes,
 )
 from gyrodrift.diagnose.simulate.response_table import Sized
 
@@ -97,48 +95,6 @@ def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
     assert with_negligible(whole, {"scale_factor": 0.0}).kind is Kind.NONE
     assert with_negligible(part, {"scale_factor": 0.0}).kind is Kind.UNKNOWN
     assert with_negligible(whole, {"scale_factor": 0.0}).causes == ()
-
-
-def without(conclusion: Conclusion, *causes: str, forms: tuple[str, ...] = ()) -> tuple[Kind, set[str]]:
-    """Kind of the verdict without some causes and forms, and the features that deviate in it."""
-    verdict = without_causes(conclusion.verdict, causes, forms, conclusion.explanation.evidence)
-    assert verdict.unexplained == verdict.where or verdict.causes
-    return verdict.kind, {item.feature for item in verdict.where}
-
-
-def test_without_its_only_cause_a_gap_is_unknown_where_features_deviate() -> None:
-    """The rate alone does; with another cause the verdict stays an effect."""
-    assert without(concluded({"rate": 10.0}, *TRIED), "scale_factor") == (Kind.UNKNOWN, {"rate"})
-    assert without(concluded(PAIR, *TRIED), "clock_drift")[0] is Kind.EFFECT
-
-
-def test_a_form_of_chance_that_deviates_in_no_feature_is_no_gap() -> None:
-    """A feature that deviates by itself still does, whether it is the form's or not."""
-    for amounts, kind in (
-        ({"moving": 2.0, "direction": 1.0}, Kind.NONE),
-        ({"moving": 9.0, "direction": 4.5}, Kind.UNKNOWN),
-    ):
-        conclusion = concluded(amounts, *TRIED)
-        assert conclusion.verdict.kind is Kind.UNKNOWN
-        assert without(conclusion, forms=("moving",))[0] is kind
-
-
-def test_features_that_deviate_together_are_no_gap_without_a_form_of_chance() -> None:
-    """The form made them probable. Without a cause they stay: the cause may act and its share be unknown."""
-    conclusion = concluded({"rate": 10.0, "moving": 9.0}, *TRIED)
-    evidence = conclusion.explanation.evidence
-    together = tuple(replace(deviation, is_beyond_chance=False) for deviation in conclusion.verdict.where)
-    verdict = replace(conclusion.verdict, where=together, unexplained=together)
-    named = [cause.effect.name for cause in verdict.causes]
-    assert without_causes(replace(verdict, causes=()), (), ("direction",), evidence).where == ()
-    assert without_causes(verdict, named, (), evidence).kind is Kind.UNKNOWN
-
-
-def test_beside_a_cause_a_form_of_chance_leaves_nothing_unexplained() -> None:
-    """The cause alone is the effect then."""
-    conclusion = concluded({"rate": 10.0, "moving": 2.2, "direction": 1.1}, *TRIED)
-    assert conclusion.verdict.kind is Kind.PARTLY
-    assert without(conclusion, forms=("moving",))[0] is Kind.EFFECT
 
 
 def test_a_cause_has_the_phase_of_each_session() -> None:

@@ -65,7 +65,7 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
     order += [
         "Cause: scale_factor",
         "error 5",
-        "Sim-to-real gap on held-out sessions, RMS over 96 features closed by the correction",
+        f"Sim-to-real gap on held-out sessions, RMS over {len(scaled.features)} features closed by the correction",
         "Mean absolute yaw error with one and the same filter recordings 12.5°",
         "RMS yaw error of the real sessions with a filter tuned in simulation tuned in the corrected simulator",
         "What to record next.",
@@ -119,13 +119,12 @@ def panels(html: str) -> Iterator[ET.Element]:
             yield item
 
 
-def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
+def test_sets_of_effects_are_listed_by_their_probability(html: str, scaled: Diagnosis) -> None:
     """The cause above all others; what was not tried is told."""
-    table = next(item for item in parsed(html).iter("table") if "best size" in "".join(item.itertext()))
-    names = ["".join(line[0].itertext()) for line in table.iter("tr")][1:]
-    assert names[0] == "scale_factor named"
-    assert "latency" in names
-    assert "popcorn" not in names
+    table = next(item for item in parsed(html).iter("table") if "what acts" in "".join(item.itertext()))
+    first, *_ = ["".join(line[0].itertext()) for line in table.iter("tr")][1:]
+    assert "scale_factor" in first
+    assert "popcorn" not in "".join(table.itertext())
     assert "Left out by --withhold popcorn" in re.sub(r"\s+", " ", " ".join(parsed(html).itertext()))
     smallest = next(item.value for item in scaled.detectable if item.effect == "scale_factor")
     assert smallest == 2.0  # 16 of the log-likelihood ratio in two sessions, less 1.28 times their root of 32
@@ -178,13 +177,6 @@ def test_what_nothing_explains_is_placed_by_stage() -> None:
     assert "verdict: unknown" in statement
     assert "Stage of the rig where it shows, share of the deviations environment 100 %" in statement
     assert "none is named, and rig.yaml has no new effect" in statement
-
-
-def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
-    names = ["".join(panel.itertext()) for panel in panels(html) if "change point" in "".join(panel.itertext())]
-    assert len(names) == 2
-    assert "1. session-011 change point: 1.5 min (0.25)" in names[0]
-    assert "2. session-02no change points" in names[1]
 
 
 def test_halves_that_disagree_are_a_warning(scaled: Diagnosis) -> None:

@@ -13,7 +13,7 @@ from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
-from gyrodrift.diagnose.simulate.responses import change_of, in_session, response_table
+from gyrodrift.diagnose.simulate.responses import change_in, in_session, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.values.arrays import Floats
 
@@ -34,7 +34,7 @@ def tilted() -> Subject:
 
 def change(*effects: Sized) -> Floats:
     """(F,) in the plain session."""
-    changed: Floats = change_of(effects, [plain()], [table()]).change[0]
+    changed: Floats = change_in(effects, 0, plain(), table()).change
     return changed
 
 
@@ -48,8 +48,8 @@ def test_a_set_is_played_as_one_rig() -> None:
     with_both = plain().with_remaining_bias(effects)
     by_hand = [with_both.simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
-    result = change_of(two, [plain()], [table()])
-    assert result.variance[0] == pytest.approx(np.var(by_hand, axis=0, ddof=1))
+    result = change_in(two, 0, plain(), table())
+    assert result.variance == pytest.approx(np.var(by_hand, axis=0, ddof=1))
     assert result.runs == 3
 
 
@@ -74,7 +74,7 @@ def test_a_free_phase_is_that_of_each_session() -> None:
     sized = Sized(free, 0.1, np.array([30.0, 200.0]))
     assert free.is_phase_free
     assert [in_session(sized, number, plain()).model_dump()["phase_deg"] for number in (0, 1)] == [30.0, 200.0]
-    at_200, opposite = change_of([sized], [plain()] * 2, [table()] * 2).change[1], change(replaced(sized, 20.0))
+    at_200, opposite = change_in([sized], 1, plain(), table()).change, change(replaced(sized, 20.0))
     assert feature(at_200, "turn_sine") == pytest.approx(-feature(opposite, "turn_sine"), rel=0.05)
 
 

@@ -1,1 +1,0 @@
-"""The next recording: a motion that separates the hypotheses which the recordings so far leave open."""
