@@ -13,6 +13,7 @@ from scipy.special import ndtri
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
+from gyrodrift.diagnose.inference.conclusion import SURELY_UNKNOWN
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.lacking import SAME_RATE, is_same_rate, rates_hz
@@ -107,7 +108,11 @@ def _steps_dps(recordings: Sequence[Recording]) -> float | None:
     steps = [levels.step for levels in levels_of_each if levels.step is not None]
     if not levels_of_each:
         return None
-    return float(np.median(steps)) if 2 * len(steps) > len(levels_of_each) else 0.0
+    if 2 * len(steps) > len(levels_of_each):
+        return float(np.median(steps))
+    decimal = float(np.median([levels.text for levels in levels_of_each]))
+    # Decimals that round the noise away are steps, whoever rounds.
+    return decimal if decimal > 0.0 and _hide_noise(recordings, decimal) else 0.0
 
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
@@ -123,8 +128,8 @@ class ExplainedBaseline(NamedTuple):
         The rig with the causes of the baseline.
     baseline
         The difference between the baseline and this rig.
-    subjects, tables
-        Recordings of the baseline, calibrated to this rig, and their response tables.
+    subjects
+        Recordings of the baseline, calibrated to this rig.
     least_noise_dps_rthz
         Least noise that a recording of this device is calibrated to.
     remarks
@@ -138,7 +143,6 @@ class ExplainedBaseline(NamedTuple):
     rig: Rig
     baseline: Baseline
     subjects: list[Subject]
-    tables: tuple[ResponseTable, ...]
     least_noise_dps_rthz: float
     remarks: list[str]
     background: tuple[Sized, ...] = ()
@@ -167,7 +171,13 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     own = request._replace(rig=rig)
     simulated = simulated_of(own, of_baseline)
     inferred = inferred_of(simulated, request.jobs, request.progress)
-    causes = [cause for cause in inferred.verdict.causes if cause.probability >= _adopted_from(cause)]
+    # A random cause beside something unknown may only stand for its scatter, so it stays in the background.
+    is_clear = inferred.explanation.posterior.unknown < SURELY_UNKNOWN
+    causes = [
+        cause
+        for cause in inferred.verdict.causes
+        if cause.probability >= _adopted_from(cause) and (is_clear or not cause.cause.is_random)
+    ]
     in_rig = {cause.effect.name for cause in causes}
     best = inferred.explanation.posterior.most_probable.placed
     background = [item.sized for item in best if item.sized.is_random and item.template.name not in in_rig]
@@ -184,9 +194,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     # If a device has less than half of the noise of its baseline, that is a gap, and it is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
-    return ExplainedBaseline(
-        rig, baseline, subjects, tables, least_noise, [*remarks, *differ], tuple(background), response
-    )
+    return ExplainedBaseline(rig, baseline, subjects, least_noise, [*remarks, *differ], tuple(background), response)
 
 
 def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceResponse | None) -> list[str]:

@@ -77,12 +77,15 @@ class ResponseLaw(Enum):
         Proportional to the size, with its sign.
     LOG_VARIANCE
         Logarithm of a variance: variances add, and grow with the square of the size.
+    ROOT_SHARE
+        Square root of a share of the samples: shares add.
     SATURATING
-        Proportional to a small size, constant for a large one: shares of samples, steps, quantiles.
+        Proportional to a small size, constant for a large one: steps, quantiles.
     """
 
     LINEAR = "linear"
     LOG_VARIANCE = "logarithm of a variance"
+    ROOT_SHARE = "root of a share"
     SATURATING = "saturating"
 
 

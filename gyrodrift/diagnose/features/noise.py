@@ -15,8 +15,8 @@ from gyrodrift.diagnose.features.feature import (
     ResponseLaw,
     Statistic,
 )
-from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
-from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
+from gyrodrift.diagnose.features.spectral_line import LEAST_NOISE_DPS, spectral_line
+from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_GAIN, REST_LENGTHS, spreads_of
 from gyrodrift.diagnose.recording.order_statistics import quantiles
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats
@@ -90,7 +90,8 @@ def _burst_ratio(noise: SampleNoise) -> float:
     if len(squares) < FEW_SECONDS:
         return 0.0
     usual, much = quantiles(squares, [0.5, 0.9])
-    return float(np.log((much + LEAST_POWER) / (usual + LEAST_POWER)))
+    least = REST_GAIN * LEAST_NOISE_DPS**2
+    return float(np.log((much + least) / (usual + least)))
 
 
 def _rest(index: int, length: int) -> Statistic[SampleNoise]:
@@ -128,8 +129,8 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     *(_slow(index, length) for index, length in enumerate(MOVING_LENGTHS)),
     *(_fast(index, length) for index, length in enumerate(MOVING_LENGTHS)),
     Statistic(
-        "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.5,
-        "0.5 in ln: two thirds more than its neighbors", reading=OVER_NEIGHBORS, response=ResponseLaw.LOG_VARIANCE,
+        "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.25,
+        "0.25 in ln: a quarter more than its neighbors", reading=OVER_NEIGHBORS, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: spectral_line(noise.cleaned, noise.design).log_height,
     ),
     Statistic(

@@ -108,17 +108,17 @@ def _log_reach(values: RateValues) -> float:
 RATE_VALUES: tuple[Statistic[RateValues], ...] = (
     Statistic(
         "equal_rest", "sensor", "rest", "neighboring samples at rest are equal too often", 0.02,
-        "four samples in 10,000", reading=PERCENT_OF_SAMPLES,
+        "four samples in 10,000", reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
         compute=lambda values: _equal_share(values, values.design.regimes.at_rest),
     ),
     Statistic(
         "equal_moving", "link", "moving", "neighboring samples in motion are equal too often", 0.01,
-        "one sample in 10,000", reading=PERCENT_OF_SAMPLES,
+        "one sample in 10,000", reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
         compute=lambda values: _equal_share(values, values.design.regimes.is_turning),
     ),
     Statistic(
         "equal_quick", "link", "accelerating", "samples repeat while the rate is changing", 0.035,
-        "twelve samples in 10,000", reading=PERCENT_OF_SAMPLES,
+        "twelve samples in 10,000", reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
         compute=lambda values: _equal_share(values, values.design.regimes.is_quick),
     ),
     Statistic(

@@ -14,6 +14,9 @@ from gyrodrift.values.arrays import Floats, Mask
 WINDOW = 256
 """Samples in the window of a spectrum. Chosen: a power of two that fits into rests of a few seconds."""
 
+WINDOW_POWER = float(np.square(np.hanning(WINDOW)).sum())
+"""Power of white noise with a variance of 1 in a window."""
+
 FEW_WINDOWS = 8
 """Minimum number of windows at rest. With fewer, a line is also searched in motion, and differences give the noise.
 Chosen: medians of fewer spectra scatter too much."""
@@ -30,9 +33,9 @@ WHITE_BAND = (0.02, 0.12)
 """Band of the white noise, as shares of the sample rate. Chosen: above the 1/f noise, and below the cutoff of most
 filters."""
 
-LEAST_POWER = 1e-6
-"""Power of a window with noise of 1e-4 deg/s, added to the level, so that a ratio to zero noise stays finite. Derived:
-1e-4² · 96, the sum of the squared window. Chosen: 1e-4 deg/s, far below the noise of a gyro."""
+LEAST_NOISE_DPS = 1e-4
+"""Noise that is added to a level, deg/s, so that a ratio to zero noise stays finite. Chosen: far below the noise of a
+gyro."""
 
 WHITE_LENGTHS = (4, 8)
 """Lengths of the means whose scatter gives the white noise if there are too few windows at rest. Chosen: above the
@@ -61,7 +64,7 @@ def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
     power = medians(power_spectra(windows).T)[LOWEST:]
-    around = median_filter(power, LINE_NEIGHBORS, mode="nearest") + LEAST_POWER
+    around = median_filter(power, LINE_NEIGHBORS, mode="nearest") + LEAST_NOISE_DPS**2 * WINDOW_POWER
     best = int(np.argmax(power / around))
     amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()
     frequency_hz = (best + LOWEST) / (WINDOW * design.period_s)
@@ -80,7 +83,7 @@ def white_dps(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> flo
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
         # The median of an exponential distribution is ln 2 of its mean.
         level = float(np.median(power_spectra(windows)[:, first:last]) / np.log(2.0))
-        at_rest = float(np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2)))
+        at_rest = float(np.sqrt(level / WINDOW_POWER))
     else:
         rest = [spreads.rest[REST_LENGTHS.index(length)] for length in WHITE_LENGTHS]
         at_rest = float(np.sqrt(max(sum(rest) / len(rest), 0.0)))

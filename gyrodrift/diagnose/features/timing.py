@@ -113,7 +113,8 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
     ),
     Statistic(
         "stamp_tails", "clock", "always", "some device times are far off", 0.01, "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES, compute=_root_tails,
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=_root_tails,
     ),
     Statistic(
         "stamp_step", "clock", "always", "the device clock jumps", 1.0, "1 in ln: 0.9 ms where there was no step",
@@ -220,7 +221,8 @@ ARRIVALS: tuple[Statistic[Arrivals], ...] = (
 LOSSES: tuple[Statistic[Recording], ...] = (
     Statistic(
         "drop_share", "link", "always", "samples are missing", 0.005, "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda recording: float(np.sqrt(missing_of(recording).mean())),
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=lambda recording: float(np.sqrt(missing_of(recording).mean())),
     ),
     Statistic(
         "drop_runs", "link", "always", "several samples in a row are missing", 0.3, "0.3 in ln: a third more at a time",
@@ -228,11 +230,13 @@ LOSSES: tuple[Statistic[Recording], ...] = (
     ),
     Statistic(
         "repeat_share", "link", "always", "samples come twice", 0.005, "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda recording: _root_of_all(recording.repeated, recording),
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=lambda recording: _root_of_all(recording.repeated, recording),
     ),
     Statistic(
         "disorder_share", "link", "always", "samples come in the wrong order", 0.005, "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda recording: _root_of_all(recording.disordered, recording),
+        reading=PERCENT_OF_SAMPLES, response=ResponseLaw.ROOT_SHARE,
+        compute=lambda recording: _root_of_all(recording.disordered, recording),
     ),
 )
 # fmt: on

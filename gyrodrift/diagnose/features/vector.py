@@ -152,6 +152,50 @@ def measure_samples(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Mea
     return Measured(np.array(values), np.array([feature.threshold for feature in SAMPLE_FEATURES]))
 
 
+LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
+"""Largest logarithm that is taken as a variance, and the least variance of a sum. Chosen: neither overflows nor becomes
+0."""
+
+LOGARITHMS = np.flatnonzero(IS_LOG)
+"""Indices of features that are logarithms of variances."""
+
+ROOTS = np.flatnonzero(_mask(lambda feature: feature.response is ResponseLaw.ROOT_SHARE))
+"""Indices of features that are roots of shares of samples."""
+
+
+def combined(change: Floats, increment: Floats) -> Floats:
+    """Sum of two changes of the features, (…, F).
+
+    A change of a logarithm is that of a variance relative to the same base. If both variances grow, the increases add:
+    log(exp(a) + exp(b) - 1). Otherwise the logarithms add.
+    """
+    added: Floats = change + increment
+    first, second = (np.take(values, LOGARITHMS, axis=-1) for values in (change, increment))
+    powers = np.exp(np.clip(first, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(second, -LOG_RANGE, LOG_RANGE))
+    powers_sum = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
+    added[..., LOGARITHMS] = np.where((first > 0.0) & (second > 0.0), powers_sum, first + second)
+    return added
+
+
+def in_device(change: Floats, offset: Floats, simulated: Floats) -> Floats:
+    """Change of the features, (…, F), of a device that differs from its simulator, from the change of the simulator.
+
+    Variances add. So a wander of 1 deg/h doubles that of a calm simulator, and hardly shows in a device that wanders by
+    10 deg/h anyway. Shares of samples add in the same way.
+
+    offset
+        (F,) difference of the device to the simulator.
+    simulated
+        (F,) features of the simulator.
+    """
+    result = combined(np.broadcast_to(offset, change.shape), change) - offset
+    added = np.take(change, ROOTS, axis=-1)
+    base, device = simulated[ROOTS], np.maximum(simulated + offset, 0.0)[ROOTS]
+    shares = np.square(device) + np.square(base + added) - np.square(base)
+    result[..., ROOTS] = np.sqrt(np.maximum(shares, 0.0)) - device
+    return result
+
+
 def rms_scale(design: DesignMatrix) -> Floats:
     """Divisors, shape (F,), that turn coefficients of an orthonormal basis into an RMS; 1 for all further features."""
     scale = np.ones(len(FEATURES))

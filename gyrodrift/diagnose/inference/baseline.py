@@ -134,13 +134,14 @@ def against(
 ) -> list[ResponseTable]:
     """The tables of recordings, with the common difference of the baseline subtracted.
 
-    The scatter is added to the relevance thresholds.
+    The responses are those of the device. The scatter is added to the relevance thresholds.
     """
     differences = differences_of(tables, designs)
     scatter, extra_sigma = baseline.scatter(differences), baseline.extra_sigma(differences)
-    return [
+    moved = [
         replace(
             table,
+            offset=baseline.common * rms_scale(design),
             difference=table.difference - baseline.common * rms_scale(design),
             thresholds=np.hypot(table.thresholds, scatter * rms_scale(design)),
             extra_sigma=extra_sigma * rms_scale(design),
@@ -148,6 +149,10 @@ def against(
             degrees=baseline.count - 1.0 + PRIOR_RUNS,
         )
         for table, design in zip(tables, designs, strict=True)
+    ]
+    return [
+        replace(table, responses={name: table.in_device(change) for name, change in table.responses.items()})
+        for table in moved
     ]
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
@@ -17,7 +18,7 @@ from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.posterior import POWER, RARE, Posterior, Slot, WeightedSet, posterior_of
 from gyrodrift.diagnose.inference.ridge import pair_in, summed_along
 from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
-from gyrodrift.diagnose.inference.sets import find_sets, fitted, profile_of
+from gyrodrift.diagnose.inference.sets import find_sets, fitted, known_forms, profile_of
 from gyrodrift.diagnose.inference.template import Template, templates_of
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -80,14 +81,17 @@ class SizePosterior:
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
     """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power.
 
-    If another effect of the set acts like this effect, the posterior is summed over the size of the other effect.
+    If another effect of the set acts like this effect, the posterior is summed over the size of the other effect. The
+    larger form error doubles the scatter of a random effect. A size that is read off the scatter would be too small by
+    a third, so it has the smaller form error.
     """
     fixed = [placed for placed in effect_set.placed if placed.template.name != name]
     profile = profile_of(scorer, name, fixed)
     response = int(profile.best.template.response[profile.best.point])
+    is_random = profile.best.sized.is_random
     sizes, log_weights, responses = [], [], []
     for template, by_form in profile.parts:
-        for densities in by_form[:-1]:
+        for densities in by_form[: 1 if is_random else -1]:
             log_density = np.logaddexp(*scorer.with_priors(*densities, power))
             sizes.append(template.size)
             log_weights.append(log_density + template.log_prior)
@@ -101,9 +105,19 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     if pair is not None and name in pair:
         sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
+    low, high = with_form_error(low, median, high, known_forms(profile.best.template)[0])
     best = tried[response]
     variants = tuple((item.candidate, float(share)) for item, share in zip(tried, mass / mass.sum(), strict=True))
     return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high), variants)
+
+
+def with_form_error(low: float, median: float, high: float, form_error: float) -> tuple[float, float]:
+    """Ends of an interval that includes the share of the form error that is common to all features.
+
+    Features are independent in the density. A template that is off by as much in all of them looks like another size.
+    """
+    common = form_error * COMMON_FORM * float(ndtri(CREDIBLE[-1])) * abs(median)
+    return median - float(np.hypot(median - low, common)), median + float(np.hypot(high - median, common))
 
 
 def open_ends(tried: Floats, low: float, high: float) -> tuple[bool, bool]:
@@ -123,6 +137,9 @@ def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> li
     total = np.concatenate([[0.0], np.cumsum(mass)]) / mass.sum()
     return [float(value) for value in np.interp(shares, total, edges)]
 
+
+COMMON_FORM = 0.5
+"""Share of the form error that all features have in common. Chosen: half, as it is in sessions."""
 
 NAMED = 0.5
 """Probability from which on a cause is named: that the effect acts, or an effect tied with it. Chosen: it is rather
@@ -229,13 +246,18 @@ def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
     """Posterior after the most probable sets were simulated as a whole and fitted again.
 
     An additional effect may only compensate the error of a sum of templates. So the best part of a set is simulated
-    before the set.
+    before the set. A correction holds for the simulated sizes, so a set that probably acts is simulated once
+    more if its sizes move.
     """
-    sets = find_sets(scorer)
+    sets, repeated = find_sets(scorer), set[tuple[str, ...]]()
     for _ in range(ROUNDS):
         posterior = posterior_of(scorer, sets)
         unsimulated = [_not_simulated(scorer, sets, item) for item in posterior.by_mass(SIMULATED)]
         some = list(dict.fromkeys(item for item in unsimulated if item is not None))[:AT_ONCE]
+        if not some:
+            probable = posterior.by_mass(NAMED)
+            some = [item for item in probable if scorer.has_moved(item) and item.names not in repeated]
+            repeated.update(item.names for item in some)
         if not some:
             break
         for item in some:

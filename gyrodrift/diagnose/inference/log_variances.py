@@ -1,31 +1,10 @@
-"""Sums and scaling of feature changes: logarithms of variances add as variances, all other features directly."""
+"""Changes of the features at all sizes of an effect, from those at its simulated sizes."""
 
 import numpy as np
 
-from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
+from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR, LOG_RANGE, ROOTS
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats, Integers
-
-LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
-"""Largest logarithm that is taken as a variance, and the least variance of a sum. Chosen: neither overflows nor becomes
-0."""
-
-LOGARITHMS = np.flatnonzero(IS_LOG)
-"""Indices of features that are logarithms of variances."""
-
-
-def combined(change: Floats, increment: Floats) -> Floats:
-    """Sum of two changes of the features, (…, F).
-
-    A change of a logarithm is that of a variance relative to the same base. If both variances grow, the increases add:
-    log(exp(a) + exp(b) - 1). Otherwise the logarithms add.
-    """
-    added: Floats = change + increment
-    first, second = (np.take(values, LOGARITHMS, axis=-1) for values in (change, increment))
-    powers = np.exp(np.clip(first, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(second, -LOG_RANGE, LOG_RANGE))
-    powers_sum = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
-    added[..., LOGARITHMS] = np.where((first > 0.0) & (second > 0.0), powers_sum, first + second)
-    return added
 
 
 def scaled(node: Floats, share: Floats) -> Floats:
@@ -44,7 +23,8 @@ def scaled(node: Floats, share: Floats) -> Floats:
 def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
     """Changes at all sizes of a candidate, (sizes, …, F), from those at its simulated sizes, (nodes, …, F).
 
-    Effects of either sign are scaled. All others are interpolated linearly along the logarithm of the size.
+    Effects of either sign are scaled. All others are interpolated linearly along the logarithm of the size, roots of
+    shares as powers of the size.
     """
     if candidate.grid_points[0] < 0.0:
         up = scaled(nodes[1], candidate.sizes[candidate.sizes > 0.0] / candidate.grid_points[1])
@@ -56,15 +36,29 @@ def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
     lower = np.minimum(position.astype(np.int64), len(nodes) - 2)
     part = (position - lower).reshape(-1, *([1] * (nodes.ndim - 1)))
     change: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
+    return _with_powers(change, nodes[lower], nodes[lower + 1], part)
+
+
+def _with_powers(change: Floats, below: Floats, above: Floats, part: Floats) -> Floats:
+    """The change with its roots of shares as a power of the size through both neighbors, where both are positive.
+
+    Shares grow in proportion to the size: their roots with the power 0.5, or with 1 beside a larger share.
+
+    part
+        Share of the way from one neighbor to the other, along the logarithm of the size.
+    """
+    first, second = (np.maximum(np.take(values, ROOTS, axis=-1), 0.0) for values in (below, above))
+    powers = np.power(first, 1.0 - part) * np.power(second, part)
+    change[..., ROOTS] = np.where((first > 0.0) & (second > 0.0), powers, np.take(change, ROOTS, axis=-1))
     return change
 
 
 def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | float]:
     """Changes at all sizes of a candidate, (sizes, …, F), by linear interpolation, and the error of the interpolation.
 
-    The error is that of a chord of a parabola: the second divided difference of three simulated sizes times the
-    distances to both ends of the chord. Effects of either sign are scaled, and effects of a single size are returned as
-    they are. Both have no error.
+    Roots of shares are powers of the size. The error is that of a chord of a parabola: the second divided difference of
+    three simulated sizes times the distances to both ends of the chord. Effects of either sign are scaled, and effects
+    of a single size are returned as they are. Both have no error.
     """
     points = candidate.grid_points
     if len(points) < 2 or points[0] < 0.0:
@@ -73,6 +67,8 @@ def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | floa
     below, above = points[lower], points[lower + 1]
     part = ((candidate.sizes - below) / (above - below))[:, None, None]
     means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
+    in_logs = (np.log(candidate.sizes / below) / np.log(above / below))[:, None, None]
+    means = _with_powers(means, nodes[lower], nodes[lower + 1], in_logs)
     bends = _bends(points, nodes) if candidate.in_rig is not None else _bends(*_with_none(points, nodes))
     bend = np.minimum(lower if candidate.in_rig is None else np.maximum(lower - 1, 0), len(bends) - 1)
     distances = (candidate.sizes - below) * (above - candidate.sizes)

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from gyrodrift.diagnose.features.vector import combined
 from gyrodrift.diagnose.inference.density import (
     Groups,
     log_densities,
@@ -14,7 +15,6 @@ from gyrodrift.diagnose.inference.density import (
 )
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.factors import explained
-from gyrodrift.diagnose.inference.log_variances import combined
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
@@ -24,6 +24,9 @@ Values = TypeVar("Values", float, Floats)
 
 EFFECT, OUT_OF_CATALOGUE = 0.03, 0.01
 """Prior probability of an effect, and of an out-of-catalog form. Chosen: of 28 effects, about one acts."""
+
+MOVED = 0.02
+"""Relative change of a size after which a set is simulated again. Chosen: two steps of the finer sizes."""
 
 EXACT, CLOSE_TO_IT, USUAL, RESEMBLING = 0.02, 0.05, 0.1, 0.4
 """Relative standard deviation of each feature of an effect about its simulation, called the form error. An effect with
@@ -79,10 +82,15 @@ class Densities(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """Simulated change of a whole set minus the sum of its templates: (S, F) change and its variance."""
+    """Simulated change of a whole set minus the sum of its templates: (S, F) change and its variance.
+
+    sizes
+        Sizes at which the set was simulated, by name of the effect.
+    """
 
     change: Floats
     variance: Floats
+    sizes: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,7 +148,7 @@ class Scorer:
             {name: template.of_sessions(rows) for name, template in self.templates.items()},
             tuple(item._replace(template=item.template.of_sessions(rows)) for item in self.background),
             {
-                names: Correction(correction.change[rows], correction.variance[rows])
+                names: correction._replace(change=correction.change[rows], variance=correction.variance[rows])
                 for names, correction in self.corrections.items()
             },
         )
@@ -244,6 +252,14 @@ class Scorer:
         """Whether a set was simulated as a whole."""
         return frozenset(effect_set.names) in self.corrections
 
+    def has_moved(self, effect_set: EffectSet) -> bool:
+        """Whether a size of a set that was simulated as a whole has changed by more than MOVED since."""
+        correction = self.corrections.get(frozenset(effect_set.names))
+        if correction is None:
+            return False
+        pairs = [(item.size, correction.sizes[item.template.name]) for item in effect_set.placed]
+        return any(abs(size - simulated) > MOVED * abs(simulated) for size, simulated in pairs)
+
     def correct(self, effect_set: EffectSet, simulated: SimulatedSet) -> None:
         """Store the simulated change of a set minus the sum of its templates.
 
@@ -256,7 +272,9 @@ class Scorer:
         template_variance = sum((placed.variance for placed in effect_set.placed), np.zeros_like(unit))
         excess_variance = np.maximum(variance.mean(axis=0) - 2.0 - template_variance, 0.0) + variance / simulated.runs
         change = beyond_noise(away, variance / simulated.runs)
-        self.corrections[frozenset(effect_set.names)] = Correction(change, np.where(compared, excess_variance, 0.0))
+        sizes = {item.template.name: item.size for item in effect_set.placed}
+        correction = Correction(change, np.where(compared, excess_variance, 0.0), sizes)
+        self.corrections[frozenset(effect_set.names)] = correction
 
     def change(self, placed: Sequence[Placed]) -> Floats:
         """(S, F) change by a set, corrected where it was simulated as a whole."""

@@ -85,16 +85,21 @@ class Template:
         return [row for row in rows if self.response[row] == self.response[point]]
 
     def finer(self, rows: Sequence[int]) -> "Template":
-        """Successive points of a response on a finer grid, by linear interpolation."""
+        """Successive points of a response on a finer grid, by linear interpolation.
+
+        The grid reaches half a step beyond both ends, as far as the prior of the points does.
+        """
         if len(rows) < 2:
             return self.subset(rows)
-        positions = np.linspace(0.0, len(rows) - 1.0, FINER * len(rows))
-        lower = np.minimum(positions.astype(np.int64), len(rows) - 2)
+        own = np.flatnonzero(self.response == self.response[rows[0]])
+        first, last = (np.clip(end, own[0], own[-1]) for end in (rows[0] - 0.5, rows[-1] + 0.5))
+        positions = np.linspace(first, last, FINER * len(rows))
+        lower = np.minimum(positions.astype(np.int64), own[-1] - 1)
         part = positions - lower
 
         def between(values: Floats) -> Floats:
             by = part.reshape(-1, *([1] * (values.ndim - 1)))
-            line: Floats = (1.0 - by) * values[rows][lower] + by * values[rows][lower + 1]
+            line: Floats = (1.0 - by) * values[lower] + by * values[lower + 1]
             return line
 
         log_prior = np.full(len(positions), np.logaddexp.reduce(self.log_prior[rows]) - np.log(len(positions)))

@@ -35,6 +35,8 @@ class ReplayedMotion:
         Angle, degrees, rate, deg/s, and temperature, °C, shape (n,).
     powered_s
         Time from power-on to the first sample, s.
+    vibration_dps
+        Rate that the gyro senses beyond the motion, deg/s, shape (n,). Its angle is too small for the encoder.
     """
 
     period_s: float
@@ -42,12 +44,20 @@ class ReplayedMotion:
     rate_dps: Floats = field(repr=False)
     sensor_c: Floats = field(repr=False)
     powered_s: float
+    vibration_dps: Floats | None = field(default=None, repr=False)
 
     def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """Angle in degrees and rate in deg/s at times since the first sample, by cubic interpolation."""
+        """Angle, degrees, and sensed rate, deg/s, at times since the first sample.
+
+        The motion is interpolated by cubics, the vibration by lines.
+        """
         if self._is_grid(t_s):
-            return self.angle_deg, self.rate_dps
-        angle_deg, rate_dps = _cubic(np.ascontiguousarray(t_s), self.period_s, self.angle_deg, self.rate_dps)
+            angle_deg, rate_dps = self.angle_deg, self.rate_dps
+        else:
+            angle_deg, rate_dps = _cubic(np.ascontiguousarray(t_s), self.period_s, self.angle_deg, self.rate_dps)
+        if self.vibration_dps is not None:
+            grid_s = np.arange(len(self.vibration_dps)) * self.period_s
+            rate_dps = rate_dps + np.interp(t_s, grid_s, self.vibration_dps)
         return angle_deg, rate_dps
 
     def sensor_c_at(self, t_s: Floats) -> Floats:

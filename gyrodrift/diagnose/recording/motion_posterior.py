@@ -88,9 +88,9 @@ JERK_WINDOW_STEPS = 3
 Chosen: quick motion shows in short steps, slow motion in long ones.
 """
 
-JERK_GAIN = 0.6
+JERK_GAIN = 0.55
 """Variance of a second difference of means, divided by the intensity of the jerk times the third power of the step.
-Derived: 11/20 for long steps, rounded up."""
+Derived: 11/20 for long steps."""
 
 NOISE_SHARES = 5.0
 """Multiple of the variance by noise that is subtracted from the mean square of these differences. Chosen: the largest

@@ -13,19 +13,21 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.diagnose.features.block_means import block_means
-from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps, unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spectral_line import white_dps
 from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior
 from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.outliers import Cleaned
-from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
+from gyrodrift.diagnose.recording.quick_motion import RISES_SIGMAS, QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
 from gyrodrift.values.arrays import Floats, Mask
+from gyrodrift.values.constants import NORMAL_MAD
 
 NEIGHBORS = 100
 """Arrivals in a group. The median of a group is subtracted. Chosen: a slow wander of the clocks is not jitter."""
@@ -74,8 +76,50 @@ def _without_wander(recording: Recording) -> Floats:
     return level
 
 
+CALIBRATION, VIBRATIONS, RUNS = 7_000_003, 7_000_033, 4
+"""Seeds of the simulations of a calibration and of those that show its blocks, and number of the latter. Chosen: other
+seeds than those of sessions; half of the error of one simulation."""
+
 ROUNDS = 3
 """Simulations in a calibration; every simulation uses the values adjusted after the previous one. Chosen: speed."""
+
+
+WHITE_SIGMAS, MAD_ERROR = 3.0, 1.7
+"""Standard errors by which blocks of a second must scatter less than white noise before a part of the noise counts as
+vibration. The second number times 1/√n is the standard error of a log variance from the median of n absolute values.
+Chosen: one white noise of 740 is beyond. Derived: 2/√1.36, as the median absolute deviation has 37 % of the efficiency
+of the standard deviation."""
+
+
+@dataclass(frozen=True, slots=True)
+class GyroVibration:
+    """Part of the noise that is not white: shaking of the gyro, whose angle stays too small for the encoder.
+
+    Its rates average out within a second. So white noise of the same size would cover a hundred times the scale error.
+
+    variance_ratio
+        Variance of a sample by vibration, divided by that of the white noise.
+    lowest_hz
+        Frequency below which the vibration has no power.
+    """
+
+    variance_ratio: float = 0.0
+    lowest_hz: float = 0.0
+
+    def shaking(self, motion: ReplayedMotion, base: Base, rng: np.random.Generator) -> ReplayedMotion:
+        """The motion with a random vibration that suits the white noise of a rig."""
+        if not self.variance_ratio:
+            return motion
+        size = len(motion.rate_dps)
+        lines = np.fft.rfft(rng.standard_normal(size))
+        lines[np.fft.rfftfreq(size, motion.period_s) < self.lowest_hz] = 0.0
+        vibration_dps = np.fft.irfft(lines, size)
+        white_dps = base.noise_dps_rthz * base.sample_rate_hz**0.5
+        sigma_dps = white_dps * self.variance_ratio**0.5
+        return replace(motion, vibration_dps=vibration_dps * (sigma_dps / float(np.std(vibration_dps))))
+
+
+NO_VIBRATION = GyroVibration()
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +131,19 @@ class Level:
 
 
 def calibrated(
-    cleaned: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig, least_noise_dps_rthz: float = 0.0
+    cleaned: Cleaned,
+    design: DesignMatrix,
+    motion: ReplayedMotion,
+    rig: Rig,
+    least_noise_dps_rthz: float = 0.0,
+    vibration: GyroVibration = NO_VIBRATION,
 ) -> Rig:
     """The rig with sample rate, noise, bias and host times of a session, and without an offset of the encoder.
 
     least_noise_dps_rthz
         Lower bound of the noise.
+    vibration
+        Vibration that acts beside the white noise.
     """
     period_s = cleaned.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
@@ -103,18 +154,54 @@ def calibrated(
         update={
             "encoder_phase_deg": 0.0,
             "sample_rate_hz": 1.0 / period_s,
-            "noise_dps_rthz": target.white_dps * period_s**0.5,
+            "noise_dps_rthz": target.white_dps * (period_s / (1.0 + vibration.variance_ratio)) ** 0.5,
             "bias_dps": target.bias_dps,
         }
     )
     for _ in range(ROUNDS):
-        played = _played(cleaned, motion, rig.model_copy(update={"base": base}))
+        played = _played(cleaned, motion, rig.model_copy(update={"base": base}), vibration)
         simulated = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
         ratio = _above_rounding_dps(target, step_dps) / _above_rounding_dps(simulated, step_dps)
         noise = base.noise_dps_rthz * float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
         bias_dps = base.bias_dps + target.bias_dps - simulated.bias_dps
         base = base.model_copy(update={"noise_dps_rthz": max(noise, least_noise_dps_rthz), "bias_dps": bias_dps})
     return rig.model_copy(update={"base": base})
+
+
+def vibration_of(
+    cleaned: Cleaned,
+    design: DesignMatrix,
+    posterior: MotionPosterior,
+    rig: Rig,
+    vibration: GyroVibration = NO_VIBRATION,
+) -> GyroVibration:
+    """Vibration of a recording, by blocks of a second that scatter less than those of the calibrated rig.
+
+    The noise of single samples is calibrated already. A rest shows it without vibration, so only noise that is measured
+    in motion is divided. The vibration begins where the gyro has the least power: the power of a motion falls with the
+    frequency.
+
+    vibration
+        Vibration to which the rig is calibrated.
+    """
+    quick = posterior.quick
+    if not quick.bands.is_known or not is_hidden_at_rest(cleaned, design, rig):
+        return vibration
+    rng = np.random.default_rng(VIBRATIONS)
+    runs = [_played(cleaned, posterior.mean, rig, vibration, int(seed)) for seed in rng.integers(1 << 31, size=RUNS)]
+    ratio = block_variance(cleaned, design) / float(np.mean([block_variance(run, design) for run in runs]))
+    blocks = len(design.regimes.block_at_rest)
+    limit = np.exp(-WHITE_SIGMAS * MAD_ERROR * float(np.sqrt((1.0 + 1.0 / RUNS) / blocks)))
+    if not vibration.variance_ratio and ratio >= limit:
+        return vibration
+    is_least = quick.gyro < quick.gyro.min() * (1.0 + RISES_SIGMAS * quick.bands.relative_error)
+    lowest_hz = float(quick.bands.centers_hz[np.argmax(is_least)])
+    return GyroVibration(max((1.0 + vibration.variance_ratio) / ratio - 1.0, 0.0), lowest_hz)
+
+
+def block_variance(cleaned: Cleaned, design: DesignMatrix) -> float:
+    """Variance of the differences of neighboring block residuals, by their median; steps hardly change it."""
+    return (NORMAL_MAD * median(np.abs(np.diff(unexplained_dps(cleaned, design))))) ** 2
 
 
 def is_hidden_at_rest(cleaned: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
@@ -205,9 +292,12 @@ def _above_rounding_dps(level: Level, step_dps: float) -> float:
     return float(np.sqrt(max(level.white_dps**2 - grain, 0.1 * grain)))
 
 
-def _played(cleaned: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
+def _played(
+    cleaned: Cleaned, motion: ReplayedMotion, rig: Rig, vibration: GyroVibration, seed: int = CALIBRATION
+) -> Cleaned:
     """Simulation of which only rate and angle are used; lost samples are interpolated, and nothing else is cleaned."""
-    block = next(play(rig, motion, 7_000_003, block_samples=len(motion.rate_dps)))  # a random stream of its own
+    shaken = vibration.shaking(motion, rig.base, np.random.default_rng(seed))
+    block = next(play(rig, shaken, seed, block_samples=len(motion.rate_dps)))
     session = as_recorded(block, rig.base, cleaned.recording.name)
     assert session.encoder_deg is not None  # noqa: S101 - a rig whose sessions have an encoder has one
     rate_dps, angle_deg = np.full(len(motion.rate_dps), np.nan), np.full(len(motion.rate_dps), np.nan)

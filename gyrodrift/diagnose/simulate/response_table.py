@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gyrodrift.diagnose.features.vector import in_device
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats
 
@@ -54,6 +55,9 @@ class ResponseTable:
         Null distribution of `difference`, from simulations that are taken for recordings; shape (realizations, F).
     responses
         Change of the features by a candidate, shape (grid points, realizations, F), by `key` of the candidate.
+    offset
+        Difference of a baseline to the simulator, shape (F,), which is subtracted from `difference`; None without one.
+        The responses are those of the device then.
     extra_sigma
         Standard deviation, shape (F,), that is added before a single feature counts as deviating. It covers the small
         number of baseline recordings; 0 without a baseline.
@@ -68,9 +72,14 @@ class ResponseTable:
     runs: Floats
     nulls: Floats
     responses: dict[str, Floats]
+    offset: Floats | None = None
     extra_sigma: Floats | float = 0.0
     device_sigma: Floats | float = 0.0
     degrees: float = np.inf
+
+    def in_device(self, change: Floats) -> Floats:
+        """Change of the features, (…, F), of the recorded device, from that of the simulator."""
+        return change if self.offset is None else in_device(change, self.offset, self.runs.mean(axis=0))
 
 
 def key(candidate: Candidate) -> str:

@@ -119,12 +119,13 @@ class _SizeJudge:
         sigma = np.sqrt(np.square(table.thresholds) + chance)
         self._weight = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > 0.0)
         self._difference = table.difference - table.nulls.mean(axis=0)
+        self._table = table
 
     def rules_out(self, change: Floats) -> bool:
         """Whether a change of the features, (realizations, F), is far from the difference, and no effect is nearer."""
         without, with_it = (
             float(np.linalg.norm(values * self._weight))
-            for values in (self._difference, self._difference - change.mean(axis=0))
+            for values in (self._difference, self._difference - self._table.in_device(change).mean(axis=0))
         )
         return with_it > without + RULED_OUT
 
@@ -239,10 +240,10 @@ def change_in(effects: Sequence[Sized], index: int, subject: Subject, table: Res
     is_random = any(effect.is_random for effect in effects)
     # Several runs, even of a deterministic set: rebuilding the motion changes slow features at random.
     runs = table.runs[: 4 if is_random else 3]
-    changes = np.array([
+    changes = table.in_device(np.array([
         _features(effects, subject, calibrated.replayed(catalog_effects, seed), seed, run) - run
         for seed, run in enumerate(runs)
-    ])  # fmt: skip
+    ]))  # fmt: skip
     return SimulatedSet(changes.mean(axis=0), changes.var(axis=0, ddof=1), len(changes))
 
 

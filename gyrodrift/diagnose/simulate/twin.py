@@ -35,7 +35,13 @@ from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motio
 from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
-from gyrodrift.diagnose.simulate.calibration import calibrated, remaining_bias_dps
+from gyrodrift.diagnose.simulate.calibration import (
+    NO_VIBRATION,
+    GyroVibration,
+    calibrated,
+    remaining_bias_dps,
+    vibration_of,
+)
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
     SensorModel,
@@ -54,9 +60,16 @@ from gyrodrift.simulation.sessions import as_recorded
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
-SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
-"""Keys of the random streams for added shapes, motions, arrivals and reference noise; effects have streams by name.
-Chosen: any four different numbers."""
+SHAPES, MOTIONS, ARRIVALS, REFERENCES, VIBRATIONS = 1, 2, 3, 4, 5
+"""Keys of the random streams for added shapes, motions, arrivals, reference noise and vibration; effects have
+streams by name. Chosen: any five different numbers."""
+
+REBUILT_LEAST, REBUILT_MOST = 2, 8
+"""Rounds in which the motion is rebuilt from corrected angles; a round begins with the motion of the previous one. They
+end when no angle changes by a count. Chosen: a play of 2 degrees takes six, a disc off its center two."""
+
+VIBRATION_ROUNDS = 3
+"""Rounds in which the share of the vibration in the noise is found. Chosen: the third is within its error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +94,8 @@ class Subject:
 
     reference
         Noise of the reference angles; None if they scatter no more than the steps of an encoder.
+    vibration
+        Part of the gyro's noise that is not white.
     drawn
         Cache: motions drawn from the posterior, by seed.
     rebuilt_under
@@ -92,6 +107,7 @@ class Subject:
     design: DesignMatrix
     rig: Rig
     reference: ReferenceNoise | None = None
+    vibration: GyroVibration = NO_VIBRATION
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
     rebuilt_under: dict[SensorModel, "Subject"] = field(default_factory=dict, repr=False)
 
@@ -111,7 +127,8 @@ class Subject:
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
         """The subject calibrated to the rig with more effects, for effects that hide noise and bias at rest."""
         motion = self.with_motion_under(effects).posterior.mean
-        return self._with_base(calibrated(self.cleaned, self.design, motion, with_replaced(self.rig, effects)).base)
+        rig = with_replaced(self.rig, effects)
+        return self._with_base(calibrated(self.cleaned, self.design, motion, rig, vibration=self.vibration).base)
 
     def with_remaining_bias(self, effects: tuple[Effect, ...]) -> "Subject":
         """The subject with the bias of the rig less the rate error of more effects; see `remaining_bias_dps`."""
@@ -259,7 +276,8 @@ class Subject:
         phase_s = 0.1 * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + phase_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
-        motion = self.with_motion_under(effects).motion(seed)
+        rng = np.random.default_rng([self._stream(seed), VIBRATIONS])
+        motion = self.vibration.shaking(self.with_motion_under(effects).motion(seed), rig.base, rng)
         block = next(play(rig, motion, self._stream(seed), block_samples=self.design.samples))
         session = as_recorded(block, rig.base, self.cleaned.recording.name)
         if self.reference is None or session.encoder_deg is None:
@@ -297,8 +315,14 @@ def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0
     cleaned = clean(recording)
     rig_with_phases, posterior, design, encoder_deg = rebuilt(cleaned, rig)
     reference = reference_noise_of(encoder_deg, cleaned.step_deg, posterior.mean)
-    rig_of_session = calibrated(cleaned, design, posterior.mean, rig_with_phases, least_noise_dps_rthz)
-    return Subject(cleaned, posterior, design, rig_of_session, reference)
+    calibrate = partial(calibrated, cleaned, design, posterior.mean, rig_with_phases, least_noise_dps_rthz)
+    rig_of_session, vibration = calibrate(), NO_VIBRATION
+    for _ in range(VIBRATION_ROUNDS):
+        before, vibration = vibration, vibration_of(cleaned, design, posterior, rig_of_session, vibration)
+        if vibration == before:
+            break
+        rig_of_session = calibrate(vibration)
+    return Subject(cleaned, posterior, design, rig_of_session, reference, vibration)
 
 
 class Rebuilt(NamedTuple):
@@ -337,8 +361,10 @@ def corrected(cleaned: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[F
     if not sensor_model_of(rig).distorts_motion:
         return cleaned.encoder_deg, motion_posterior_of(cleaned, gyro)
     encoder_deg, rate_dps = cleaned.encoder_deg, restored_dps(rig, posterior.mean)
-    for _ in range(2):  # rounds; a round begins with the motion of the previous one
-        encoder_deg = angles_without_error(rig, cleaned.encoder_deg, posterior.mean)
+    for rounds in range(REBUILT_MOST):
+        before_deg, encoder_deg = encoder_deg, angles_without_error(rig, cleaned.encoder_deg, posterior.mean)
+        if rounds >= REBUILT_LEAST and float(np.abs(encoder_deg - before_deg).max()) < cleaned.step_deg:
+            break
         restored = replace(cleaned, rate_dps=cleaned.rate_dps + low_pass_loss_dps(rig, posterior.mean, rate_dps))
         posterior = motion_posterior_of(restored, gyro, encoder_deg)
         rate_dps = posterior.mean.rate_dps

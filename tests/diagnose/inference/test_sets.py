@@ -79,6 +79,8 @@ def test_a_correction_removes_the_error_of_interpolation_and_changes_the_evidenc
     assert not scorer.is_simulated(at_size)
     scorer.correct(at_size, exactly(truth))
     assert scorer.is_simulated(at_size)
+    assert not scorer.has_moved(at_size)
+    assert scorer.has_moved(EffectSet((placed_at(scorer, "latency", 5.0),), 0.0, 0.0))
     assert scorer.change(at_size.placed) == pytest.approx(truth)
     narrower = scorer.prediction(at_size.placed)[1]
     assert narrower[RATE, 0, 0] < covariance[RATE, 0, 0] - 20.0

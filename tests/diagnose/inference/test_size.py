@@ -13,6 +13,7 @@ from gyrodrift.diagnose.inference.conclusion import (
     probable_range,
     quantiles,
     size_posterior,
+    with_form_error,
 )
 from gyrodrift.diagnose.inference.posterior import POWER
 from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer
@@ -116,3 +117,9 @@ def test_a_second_parameter_is_known_up_to_halfway_to_the_next_tried_value(
 
 def test_an_interval_of_a_phase_goes_the_shorter_way() -> None:
     assert probable_range(0.0, [(0.0, 0.9), (330.0, 0.08), (30.0, 0.02)], 360.0) == (-30.0, 15.0)
+
+
+def test_an_interval_includes_half_of_the_form_error() -> None:
+    """Half of 5 % of 100 is a standard deviation of 2.5, so 4.9 are added to 3 and 4 in quadrature."""
+    assert with_form_error(97.0, 100.0, 104.0, 0.05) == pytest.approx((100.0 - 5.745, 100.0 + 6.326), abs=2e-3)
+    assert with_form_error(-104.0, -100.0, -97.0, 0.0) == pytest.approx((-104.0, -97.0))

@@ -84,7 +84,7 @@ def test_finer_points_are_on_straight_lines_and_as_probable_together() -> None:
     template = two_variants()
     finer = template.finer([9, 10, 11])
     assert len(finer.size) == 3 * FINER
-    assert (finer.size[0], finer.size[-1]) == (2.0, 4.0)
+    assert (finer.size[0], finer.size[-1]) == (1.5, 4.5)
     assert finer.mean[:, 1, RATE] == pytest.approx(4.0 * finer.size)
     assert np.logaddexp.reduce(finer.log_prior) == pytest.approx(np.log(3.0 / 16.0))
     assert set(finer.response.tolist()) == {1}

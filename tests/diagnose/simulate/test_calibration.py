@@ -196,3 +196,23 @@ def test_noise_that_a_low_pass_took_and_steps_hide_at_rest_was_there_before(
     subject = subject_of(recording_of(session), Rig(base=base))
     assert is_hidden_at_rest(subject.cleaned, subject.design, subject.rig)
     assert recalibrated_with(subject, behind).rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.25)
+
+
+SWAYING = Profile.model_validate({
+    "about": "Of a test: never at rest.",
+    "segments": [{"kind": "chirp", "seconds": 90.0, "amplitude_dps": 20.0, "from_hz": 0.1, "to_hz": 0.4}],
+})  # fmt: skip
+
+
+def test_vibration_is_no_white_noise() -> None:
+    """Vibration of 2 deg/s averages out within a second, so only the white noise counts there."""
+    base = BASE.model_copy(update={"sample_rate_hz": 25.0, "noise_dps_rthz": 0.05})
+    session = Simulation(Rig(base=base), SWAYING, seed=1, minutes=SWAYING.seconds / 60.0).whole()
+    lines = np.fft.rfft(np.random.default_rng(2).standard_normal(len(session.rate_dps)))
+    vibration_dps = np.fft.irfft(np.where(np.arange(len(lines)) > 0.2 * len(lines), lines, 0.0), len(session.rate_dps))
+    shaken = replace(session, rate_dps=session.rate_dps + 2.0 / np.std(vibration_dps) * vibration_dps)
+    calm, subject = (subject_of(recording_of(item), Rig(base=base)) for item in (session, shaken))
+    assert calm.vibration.variance_ratio == 0.0
+    assert subject.rig.base.noise_dps_rthz == pytest.approx(0.05, rel=0.5)
+    of_vibration = subject.vibration.variance_ratio**0.5 * subject.rig.base.noise_dps_rthz * 5.0
+    assert of_vibration == pytest.approx(2.0, rel=0.3)
