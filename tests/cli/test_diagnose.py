@@ -111,6 +111,8 @@ def assert_is_the_scale_error(gap: dict[str, Any]) -> None:
     assert size["low"] <= size["value"] <= size["high"]
     assert size["unit"] == "%"
     assert cause["probability"] > 0.9
+    assert gap["probability_of_no_gap"] + gap["probability_of_unknown"] < 0.1
+    assert gap["posterior"][0]["effects"] == ["scale_factor"]
     assert gap["where"][0]["signature"] == "rate"
     assert gap["gap"]["shrink"] > 0.8
     assert gap["yaw"]["e_sim_after_deg"] == pytest.approx(gap["yaw"]["e_real_deg"], rel=0.3)

@@ -20,8 +20,8 @@ def test_a_diagnosis_becomes_an_answer() -> None:
     """Causes with their values; the probabilities of no gap and of an unknown cause."""
     gap = {
         "verdict": "effect",
-        "probability_none": 0.01,
-        "probability_unknown": 0.04,
+        "probability_of_no_gap": 0.01,
+        "probability_of_unknown": 0.04,
         "causes": [
             {
                 "effect": "latency",

@@ -26,7 +26,7 @@ def answer_of(gap: dict[str, Any]) -> dict[str, Any]:
         }
         for cause in gap["causes"]
     ]
-    return {"causes": causes, "none": gap["probability_none"], "unknown": gap["probability_unknown"]}
+    return {"causes": causes, "none": gap["probability_of_no_gap"], "unknown": gap["probability_of_unknown"]}
 
 
 def _translated(parameters: dict[str, float]) -> dict[str, float]:

@@ -46,11 +46,14 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
 def content(diagnosis: Diagnosis) -> dict[str, Any]:
     """Content of `gap.json`."""
     verdict, impact = diagnosis.verdict, diagnosis.yaw_impact
+    no_gap, unknown = _rounded(verdict.probability_none), _rounded(verdict.probability_unknown)
     return {
         "contradictions": [asdict(item) for item in diagnosis.contradictions],
         "verdict": verdict.kind.value,
-        "probability_none": _rounded(verdict.probability_none),
-        "probability_unknown": _rounded(verdict.probability_unknown),
+        "probability_of_no_gap": no_gap,
+        "probability_of_unknown": unknown,
+        "probability_none": no_gap,  # the former names of both
+        "probability_unknown": unknown,
         "posterior": [
             {"effects": list(item.effects), "unknown": item.is_unknown, "probability": round(item.probability, 4)}
             for item in diagnosis.posterior
