@@ -1,5 +1,7 @@
 """The attitude filter over a whole recording."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
@@ -7,8 +9,12 @@ from six_axis_sensors import Recorded
 
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
+from gyrodrift.filters.restlevel.memory import AxisMemory, RestlevelMemory, begun
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.filters.three_axes import three_axis_version
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.mount import LEVEL
 
 
 class Filtered(NamedTuple):
@@ -19,12 +25,21 @@ class Filtered(NamedTuple):
     yaw_sigma_deg: Floats
 
 
-def filtered(recorded: Recorded) -> Filtered:
-    c, s = coefficients(RestlevelParams()), AttitudeState()
+def remembering(bias_dps: Sequence[float], sigma_dps: Sequence[float], age_s: float) -> AttitudeState:
+    """State of a filter that begins with the biases of x, y and z of an earlier run."""
+    x, y, z = (AxisMemory(*pair, None, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0) for pair in zip(bias_dps, sigma_dps, strict=True))
+    memory = RestlevelMemory(**asdict(z), x=x, y=y)
+    state: AttitudeState = three_axis_version(RESTLEVEL).state(begun(RestlevelParams(), memory, age_s, None), LEVEL)
+    return state
+
+
+def filtered(recorded: Recorded, state: AttitudeState | None = None, temp_c: Floats | None = None) -> Filtered:
+    c, s = coefficients(RestlevelParams()), state or AttitudeState()
+    temps = np.full(len(recorded.t_s), np.nan) if temp_c is None else temp_c
     rows, sigmas, yaws = [], [], []
-    columns = zip(recorded.t_s.tolist(), recorded.gyro_dps.tolist(), recorded.accel_mps2.tolist(), strict=True)
-    for t_s, gyro, accel in columns:
-        step(c, s, t_s, *gyro, *accel)
+    columns = (recorded.t_s, recorded.gyro_dps, recorded.accel_mps2, temps)
+    for t_s, (gx, gy, gz), (ax, ay, az), warm_c in zip(*(column.tolist() for column in columns), strict=True):
+        step(c, s, t_s, gx, gy, gz, ax, ay, az, temp_c=warm_c)
         rows.append(s.q)
         yaws.append(s.yaw_deg)
         sigmas.append(s.yaw_sigma_deg)

@@ -16,6 +16,9 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.values.arrays import Floats
 
 YAW, SIGMA, BIAS, BIAS_SIGMA, TILT, TILT_SIGMA, REST, CONFIDENCE = range(8)
+STILL, TEMPERATURE, COMMAND = 6, 7, 8
+"""Columns of the inputs after rates and accelerations."""
+
 Q, COUNTS = slice(12, 16), slice(16, 20)
 """Columns of the outputs; the counts are hypotheses, samples, rejected samples, and contradictions of a rest sensor."""
 
@@ -23,22 +26,24 @@ Q, COUNTS = slice(12, 16), slice(16, 20)
 def samples(
     gyro_dps: Floats, accel_mps2: Floats, still: Floats | None = None, zeros: NDArray[np.int64] | None = None
 ) -> Floats:
-    """Inputs of the filter, shape (samples, 8); `zeros` are the samples after which the yaw sigma restarts.
+    """Inputs of the filter, shape (samples, 9); `zeros` are the samples after which the yaw sigma restarts.
 
     The last column is a command after the sample, as in `c_restlevel_support`.
     """
-    inputs = np.full((len(gyro_dps), 8), nan)
+    inputs = np.full((len(gyro_dps), 9), nan)
     inputs[:, :3], inputs[:, 3:6] = gyro_dps, accel_mps2
     if still is not None:
-        inputs[:, 6] = still
+        inputs[:, STILL] = still
     if zeros is not None:
-        inputs[zeros, 7] = 1.0
+        inputs[zeros, COMMAND] = 1.0
     return inputs
 
 
-def in_python(t_s: Floats, inputs: Floats, params: RestlevelParams | None = None) -> FilterOutput:
+def in_python(
+    t_s: Floats, inputs: Floats, params: RestlevelParams | None = None, state: AttitudeState | None = None
+) -> FilterOutput:
     """Outputs of the Python filter."""
-    c, s = coefficients(params or RestlevelParams()), AttitudeState()
+    c, s = coefficients(params or RestlevelParams()), state or AttitudeState()
     taken, rows = [], []
     for t, (*values, command) in zip(t_s.tolist(), inputs.tolist(), strict=True):
         taken.append(step(c, s, t, *values))
@@ -56,7 +61,8 @@ def outputs_of(s: AttitudeState) -> tuple[float, ...]:
     rest = (s.tilt_deg, s.tilt_sigma_deg, s.rest_probability, s.confidence, s.heading_rate_dps)
     counts = (len(s.hypotheses.weight), s.samples, s.rejected, s.witness.refuted)
     changes = (s.correction_deg, s.corrections, s.watch.restarts > 0)
-    return (*heading, *rest, *s.bias_xyz_dps, *s.q, *counts, s.yaw_deg, *changes)
+    slopes = (axis.line.slope_dps_c for axis in s.axes)
+    return (*heading, *rest, *s.bias_xyz_dps, *s.q, *counts, s.yaw_deg, *changes, *s.bias_sigma_xyz_dps, *slopes)
 
 
 def values_of(params: RestlevelParams) -> list[float]:

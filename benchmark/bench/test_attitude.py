@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from attitude_support import filtered
+from attitude_support import filtered, remembering
 from c_filter_support import write_header
 from firmware_support import run
+from scipy.spatial.transform import Rotation
 from six_axis_motions import MOTIONS
 from six_axis_sensors import Recorded
 from six_axis_support import heading_errors_deg, inclination_errors_deg, record
@@ -48,6 +49,62 @@ def test_heading_errors(name: str) -> None:
         ("inclination, deg", f"{np.median(tilts):.2f}"),
     )
     show(name, rows)
+
+
+def from_the_first_motion(recorded: Recorded) -> Recorded:
+    """The recording without its rest at the start."""
+    first = int((np.abs(recorded.gyro_dps - recorded.bias_dps).max(axis=1) > 10.0).argmax())
+    return Recorded(*(column[first:] for column in recorded))
+
+
+@pytest.mark.parametrize("name", ["arm", "hand_slow", "hand_fast", "limb", "stick", "drone", "car_without_stops"])
+def test_memory(name: str) -> None:
+    """Mean |heading error| of starts in motion, without a memory, with a right one and with that of another part."""
+    rows: dict[str, list[float]] = {}
+    for seed in SEEDS[:4]:
+        recorded = from_the_first_motion(record(name, seed, 45.0))
+        bias_dps, rng = recorded.bias_dps[0], np.random.default_rng(seed)
+        states = {
+            "none": None,
+            "right, 5 s old": remembering(bias_dps, (0.01,) * 3, 5.0),
+            "an hour old, each axis off by 0.05": remembering(bias_dps + rng.normal(0.0, 0.05, 3), (0.01,) * 3, 3600.0),
+            "wrong by 1 in each axis": remembering(bias_dps + 1.0, (0.01,) * 3, 3600.0),
+            "wrong by 1 about z alone": remembering(bias_dps + np.array((0.0, 0.0, 1.0)), (0.01,) * 3, 3600.0),
+        }
+        for memory, state in states.items():
+            errors = np.abs(heading_errors_deg(filtered(recorded, state).q, recorded.attitude))
+            rows.setdefault(memory, []).append(float(errors.mean()))
+    show(name, [(memory, f"{np.median(deg):.2f} / {np.mean(deg):.2f}") for memory, deg in rows.items()])
+
+
+def after_a_rest(recorded: Recorded, rng: np.random.Generator) -> Recorded:
+    """The recording, which begins at rest, after a minute more of that rest."""
+    period_s = float(np.median(np.diff(recorded.t_s)))
+    count = round(60.0 / period_s)
+    gyro_dps = recorded.gyro_dps[:20].mean(axis=0) + rng.normal(0.0, 0.05, (count, 3))
+    accel_mps2 = recorded.accel_mps2[:20].mean(axis=0) + rng.normal(0.0, 0.03, (count, 3))
+    return Recorded(
+        np.concatenate((recorded.t_s[0] + period_s * np.arange(-count, 0), recorded.t_s)),
+        np.concatenate((gyro_dps, recorded.gyro_dps)),
+        np.concatenate((accel_mps2, recorded.accel_mps2)),
+        Rotation.concatenate([recorded.attitude[0]] * count + [recorded.attitude]),
+        np.concatenate((np.tile(recorded.bias_dps[0], (count, 1)), recorded.bias_dps)),
+    )
+
+
+@pytest.mark.parametrize("name", ["hand_slow", "limb"])
+def test_temperature(name: str) -> None:
+    """Mean |heading error| of a part that warms up by 5 °C in a rest of 60 s and by 10 °C in the motion after it."""
+    rows: dict[str, list[float]] = {"without the temperature": [], "with it": []}
+    for seed in SEEDS[:4]:
+        rng = np.random.default_rng(seed)
+        recorded = after_a_rest(record(name, seed, 120.0), rng)
+        temp_c = 20.0 + (recorded.t_s - recorded.t_s[0]) / 12.0
+        gyro_dps = recorded.gyro_dps + np.outer(temp_c - 20.0, rng.normal(0.0, 0.015, 3))
+        for temps, errors_deg in zip((None, temp_c), rows.values(), strict=True):
+            estimate = filtered(recorded._replace(gyro_dps=gyro_dps), temp_c=temps)
+            errors_deg.append(float(np.abs(heading_errors_deg(estimate.q, recorded.attitude)).mean()))
+    show(name, [(label, f"{np.median(deg):.2f} / {np.mean(deg):.2f}") for label, deg in rows.items()])
 
 
 @pytest.mark.parametrize("rate_hz", [100, 1000])

@@ -44,12 +44,12 @@ PARTS = {
         simulators_part.measure,
     ),
     "real_causes": Part(
-        "diagnose on real recordings whose cause is known, cases of each device", 0, 20, real_causes_part.measure
+        "diagnose on real recordings whose cause is known, cases of each device", 0, 6, real_causes_part.measure
     ),
     "planted": Part(
         "diagnose between halves of the recordings of a device, one with a planted flaw, cases",
         0,
-        20,
+        40,
         planted_part.measure,
     ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),

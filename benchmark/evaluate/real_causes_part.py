@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from blind.rows.recordings import read_rows
+from blind.rows.recordings import Rows, read_rows
 from gyrogap.answer import SURE_ABOVE
 from gyrogap.physics.rig_text import rig_text
 from recordings_support import Recordings, further_recordings, packed_names
 
 from evaluate.baseline import first_or_tied, gap_of, group_of, run_diagnose, words_of
 from evaluate.figures import Figure, share_figure
-from evaluate.real_causes import CASES, DEVICES, OUTSIDE, LabeledCase
+from evaluate.real_causes import CASES, DEVICES, NOTHING, OUTSIDE, LabeledCase, Piece
 from gyrodrift.session.files import load_session
 
 Say = Callable[[str], None]
@@ -30,18 +30,20 @@ def measure(_seed: int, count: int, folder: Path, say: Say) -> list[Figure]:
     done = [(case, diagnosed(case, folder, say)) for case in chosen(count) if has_files(case, say)]
     if not done:
         raise RuntimeError("there are no recordings: set GYRODRIFT_RECORDINGS to their folder")
-    named = [(case, gap) for case, gap in done if not is_outside(case)]
+    named = [(case, gap) for case, gap in done if not (is_outside(case) or is_nothing(case))]
     figures = [
+        _share("right: a known cause first in the report, left open, or none", [is_right(*one) for one in done]),
         _share("group of a known cause first", [names_label_first(case, gap) for case, gap in named]),
         _share("the same, by the expected share of the gap", [names_label_by_share(case, gap) for case, gap in named]),
         _share("the same, or tied with the first", [names_label_or_ties(case, gap) for case, gap in named]),
         _share("outside the catalog: unknown or partly", [is_left_open(gap) for case, gap in done if is_outside(case)]),
+        _share("nothing changed: none", [gap["verdict"] == "none" for case, gap in done if is_nothing(case)]),
         _share("no cause above 0.8 beside the known ones", [not unlabeled_sure(case, gap) for case, gap in done]),
     ]
     for device in dict.fromkeys(case.device for case, _ in named):
         hits = [names_label_by_share(case, gap) for case, gap in named if case.device == device]
         figures.append(_share(f"{device}: group of a known cause first, by the expected share", hits))
-    return figures
+    return [figure for figure in figures if figure.count]
 
 
 def _share(name: str, hits: Sequence[bool]) -> Figure:
@@ -61,20 +63,36 @@ def chosen(count: int) -> list[LabeledCase]:
 
 def has_files(case: LabeledCase, say: Say) -> bool:
     """Whether all recordings of a case are there; says which one is not."""
-    folder = further_recordings()
-    lacking = [name for name in case.files if not (name in packed_names() or _lies_in(folder, name))]
+    lacking = [piece.name for piece in (*case.files, *case.baseline) if not (_is_packed(piece) or _further(piece))]
     if lacking:
         say(f"{case.name}: skipped, {lacking[0]} is not in tests/data or in the folder of further recordings")
     return not lacking
 
 
-def _lies_in(folder: Path | None, name: str) -> bool:
-    return folder is not None and next(folder.rglob(f"{name}.csv"), None) is not None
+def _is_packed(piece: Piece) -> bool:
+    return not piece.axis and piece.name in packed_names()
+
+
+def _further(piece: Piece) -> Path | None:
+    folder = further_recordings()
+    return next(folder.rglob(f"{piece.name}.{'npz' if piece.axis else 'csv'}"), None) if folder else None
 
 
 def is_outside(case: LabeledCase) -> bool:
     """Whether no effect of the catalog describes what is known."""
     return case.labels == (OUTSIDE,)
+
+
+def is_nothing(case: LabeledCase) -> bool:
+    """Whether the two sets do not differ."""
+    return case.labels == (NOTHING,)
+
+
+def is_right(case: LabeledCase, gap: dict[str, Any]) -> bool:
+    """Whether the verdict and the first cause of the report agree with the label."""
+    if is_nothing(case):
+        return bool(gap["verdict"] == "none")
+    return is_left_open(gap) if is_outside(case) else names_label_by_share(case, gap)
 
 
 def is_left_open(gap: dict[str, Any]) -> bool:
@@ -111,38 +129,42 @@ def diagnosed(case: LabeledCase, folder: Path, say: Say) -> dict[str, Any]:
     """`gap.json` of a case; an interrupted evaluation continues."""
     own = folder / case.name.replace(" ", "_").replace(",", "")
     if not (own / "out" / "gap.json").exists():
-        own.mkdir(parents=True, exist_ok=True)
-        _diagnose(case, [_written(case, name, own) for name in case.files], own)
+        _diagnose(case, own)
     gap = gap_of(own / "out")
     say(f"{case.name}: {_words(case, gap)}")
     return gap
 
 
 def _words(case: LabeledCase, gap: dict[str, Any]) -> str:
-    is_hit = is_left_open(gap) if is_outside(case) else names_label_first(case, gap)
-    score = "hit" if is_hit else "MISS"
+    score = "hit" if is_right(case, gap) else "MISS"
     unlabeled = [f"not labeled: {name}" for name in unlabeled_sure(case, gap)]
     return ", ".join([f"{score} {'/'.join(case.labels)}", words_of(gap), *unlabeled])
 
 
-def _written(case: LabeledCase, name: str, folder: Path) -> Path:
-    path = Recordings(folder).path(name)
-    return path if case.pieces == 1 else write_piece(path, case, folder / "piece.csv")
+def _diagnose(case: LabeledCase, folder: Path) -> None:
+    paths = write_pieces(case.files, folder / "sessions")
+    words = [*map(str, paths), "--rig", str(folder / "rig.yaml"), "--out", str(folder / "out")]
+    if case.baseline:
+        write_pieces(case.baseline, folder / "baseline")
+        words += ["--baseline", str(folder / "baseline")]
+    (folder / "rig.yaml").write_text(rig_of_case(case, paths))
+    run_diagnose(words)
 
 
-def write_piece(path: Path, case: LabeledCase, out: Path) -> Path:
-    """One of the equal parts of a recording, from time 0."""
-    rows = read_rows(path)
-    length = len(rows.t_s) // case.pieces
-    first = case.piece * length
-    out.write_text(rows.only(np.arange(first, first + length)).from_zero().text())
-    return out
+def write_pieces(pieces: Sequence[Piece], folder: Path) -> list[Path]:
+    """Session files of recordings or their parts, each from time 0."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{piece.name}{piece.axis.strip('-')}.csv" for piece in pieces]
+    for piece, path in zip(pieces, paths, strict=True):
+        path.write_text(_rows_of(piece, folder).from_zero().text())
+    return paths
 
 
-def _diagnose(case: LabeledCase, paths: Sequence[Path], folder: Path) -> None:
-    rig = folder / "rig.yaml"
-    rig.write_text(rig_of_case(case, paths))
-    run_diagnose([*map(str, paths), "--rig", str(rig), "--out", str(folder / "out")])
+def _rows_of(piece: Piece, folder: Path) -> Rows:
+    path = None if _is_packed(piece) else _further(piece)
+    rows = read_rows(path or Recordings(folder.parent).path(piece.name), piece.axis)
+    length = len(rows.t_s) // piece.count
+    return rows.only(np.arange(piece.index * length, (piece.index + 1) * length))
 
 
 def rig_of_case(case: LabeledCase, paths: Sequence[Path]) -> str:

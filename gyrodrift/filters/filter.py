@@ -126,6 +126,11 @@ def unknown_sigma(_coefficients: Any, _state: Any) -> float:
     return nan
 
 
+def one_axis(_knowledge: Any) -> int:
+    """Number of axes of a filter without a version for three."""
+    return 1
+
+
 @dataclass(frozen=True, slots=True)
 class FilterMemory:
     """Functions that keep knowledge of a sensor between runs, as a frozen dataclass of the filter.
@@ -136,11 +141,14 @@ class FilterMemory:
         From parameters, knowledge, its age in s and the temperature in °C (None if unknown) to an initial state.
     read
         From a table of a file to the knowledge; ValueError for a wrong table.
+    axes
+        Number of axes of some knowledge.
     """
 
     learned: Callable[[Any, Any, float], Any]
     begun: Callable[[Any, Any, float, float | None], Any]
     read: Callable[[Any], Any]
+    axes: Callable[[Any], int] = one_axis
 
 
 @dataclass(frozen=True, slots=True)

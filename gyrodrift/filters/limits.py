@@ -8,3 +8,7 @@ MOST_DPS = 1e12
 
 LEAST_STEP_S = 1e-12
 """Smallest step between two samples, s. Chosen: no device clock is finer."""
+
+SAME_TIME_S = 1e-6
+"""Difference of two times that are the same, s. Chosen: the last digits of a time must not decide where a block or a
+mark ends."""

@@ -4,7 +4,9 @@ The step of one axis is called as it is, so a device of one axis gets the same b
 of three axes is imported when the first sample with three axes arrives.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -190,6 +192,17 @@ class FilterRun:
         (self.three_axes or self.filter).zero(self.state)
 
     @property
+    def learner(self) -> Callable[[Any, float], Any] | None:
+        """Function from earlier knowledge of the sensor and its age in s to the present one; None without a memory.
+
+        Knowledge of three axes is in the frame of the sensor, whatever the mount.
+        """
+        of_three, of_one = self.three_axes, self.filter.memory
+        if of_three is not None and of_three.learned is not None:
+            return partial(of_three.learned, self.state, self.mount)
+        return partial(of_one.learned, self.state) if of_three is None and of_one is not None else None
+
+    @property
     def scale_sigma_deg(self) -> float:
         """Share of the yaw sigma from the scale factor, deg; NaN for a filter that does not state it."""
         return nan if self.three_axes else self.filter.scale_sigma_deg(self._coefficients, self.state)
@@ -228,7 +241,7 @@ class FilterRun:
         from gyrodrift.filters.three_axes import three_axis_version
 
         self.three_axes = three_axis_version(self.filter)
-        self.state = self.three_axes.state(self.state)
+        self.state = self.three_axes.state(self.state, self.mount)
         self.use(self.params, self.axes_params)
 
     def _go_back(self) -> None:

@@ -5,21 +5,28 @@ the heading, which the attitude filter takes from rates and tilt.
 """
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from gyrodrift.filters.aids.reading import AidedFilter
 from gyrodrift.filters.attitude.aided import AIDED
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.step import coefficients as attitude_coefficients
 from gyrodrift.filters.attitude.step import step as attitude_step
 from gyrodrift.filters.attitude.zero import zero_yaw
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.gaps import GapWatch
-from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel.bias_state import AxisKnowledge
+from gyrodrift.filters.restlevel.memory import RestlevelMemory, learned_of
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.rate_state import NoiseModel
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.values.mount import Mount
 from gyrodrift.values.quaternion import Quaternion, with_heading
 from gyrodrift.values.sample import Inertial
+from gyrodrift.values.vectors import Vector
 
 
 class ThreeAxisState(FilterState, Protocol):
@@ -61,25 +68,30 @@ class ThreeAxisFilter:
     coefficients, zero
         As in `Filter`.
     state
-        Takes the state of one axis, and returns the first state, at the same yaw and with its sigma.
+        Takes the state of one axis and the mount, and returns the first state. Yaw, its sigma and remembered biases are
+        those of the one axis.
     step
         Takes coefficients, state, device time in s, rates and accelerations, the still flag and the temperature in °C,
         both NaN if unknown; False if the sample is rejected.
     aided
         Functions that take measurements of second sources; None for a filter that cannot.
+    learned
+        From the state, the mount, the earlier knowledge and its age in s to the new knowledge, in the frame of the
+        sensor; None for a filter without a memory.
     """
 
     coefficients: Callable[[Any], Any]
-    state: Callable[[FilterState], Any]
+    state: Callable[[Any, Mount], Any]
     zero: Callable[[Any], None]
     step: Callable[[Any, Any, float, Inertial, float, float], bool]
     aided: AidedFilter | None = None
+    learned: Callable[[Any, Mount, Any, float], Any] | None = None
 
 
 def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
     """Three-axis version of a filter."""
     if chosen is RESTLEVEL:
-        return ThreeAxisFilter(attitude_coefficients, _attitude_after, zero_yaw, _attitude_step, AIDED)
+        return ThreeAxisFilter(attitude_coefficients, _attitude_after, zero_yaw, _attitude_step, AIDED, _learned)
     step = chosen.step_auxiliary
 
     def heading_step(c: Any, s: HeadingState, t_s: float, inertial: Inertial, still: float, temp_c: float) -> bool:
@@ -97,14 +109,43 @@ def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
 
     return ThreeAxisFilter(
         lambda params: (attitude_coefficients(RestlevelParams()), chosen.coefficients(params)),
-        lambda before: _heading_after(before, chosen),
+        lambda before, _mount: _heading_after(before, chosen),
         lambda s: chosen.zero(s.inner),
         heading_step,
     )
 
 
-def _attitude_after(before: FilterState) -> AttitudeState:
-    return AttitudeState(yaw_deg=before.yaw_deg, yaw_sigma_deg=before.yaw_sigma_deg, rejected=before.rejected)
+def _attitude_after(before: RestlevelState, mount: Mount) -> AttitudeState:
+    axes = axes_in_frame([*before.level, AxisKnowledge(before.remembered, before.line)], mount.to_device)
+    return AttitudeState(
+        yaw_deg=before.yaw_deg,
+        yaw_sigma_deg=before.yaw_sigma_deg,
+        rejected=before.rejected,
+        noise_var=RAD * RAD * before.recalled.angle_walk_var,
+        axes=axes,
+    )
+
+
+def _learned(s: AttitudeState, mount: Mount, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
+    x, y, z = axes_in_frame(s.axes, mount.to_sensor)
+    noise = NoiseModel(sample_var=0.0, angle_walk_var=s.noise_var / RAD / RAD)
+    return learned_of((z, x, y), noise, s.lived_s, before, age_s)
+
+
+def axes_in_frame(axes: list[AxisKnowledge], turn: Callable[[Vector], Vector]) -> list[AxisKnowledge]:
+    """Copies of the knowledge of x, y and z in another frame; `turn` turns vectors into it, by right angles."""
+    numbers = turn((1.0, 2.0, 3.0))
+    return [_signed(deepcopy(axes[round(abs(number)) - 1]), number / abs(number)) for number in numbers]
+
+
+def _signed(axis: AxisKnowledge, sign: float) -> AxisKnowledge:
+    """Knowledge of an axis, or with the sign −1 that of the opposite direction."""
+    line, sure = axis.line, axis.sure
+    for slot in axis.remembered:
+        slot.bias_dps *= sign
+    line.slope_dps_c, line.level_dps = sign * line.slope_dps_c, sign * line.level_dps
+    sure.begin_dps, sure.bias_dps, sure.first_dps = sign * sure.begin_dps, sign * sure.bias_dps, sign * sure.first_dps
+    return axis
 
 
 def _heading_after(before: FilterState, chosen: Filter) -> "HeadingState":

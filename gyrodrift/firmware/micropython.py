@@ -57,6 +57,7 @@ class Restlevel:
     def __init__(self, **params):
         self.coefficients = coefficients(RestlevelParams(**params))
         self.state = RestlevelState()
+        self.state.level.clear()  # of a filter of three axes
         self._ticks_us = 0
 
     def update(self, t_s, rate_dps, still=nan, temp_c=nan):

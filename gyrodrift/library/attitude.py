@@ -133,21 +133,24 @@ class AttitudeFilter(SecondSources):
         self._run.gap(has_restarted=True)
 
     def update_at(
-        self, gyro_dps: "Sequence[float]", accel_mps2: "Sequence[float]" = MISSING, *, t_s: float
+        self, gyro_dps: "Sequence[float]", accel_mps2: "Sequence[float]" = MISSING, *, t_s: float, temp_c: float = nan
     ) -> AttitudeEstimate:
         """Take a sample: rates in deg/s, accelerations in m/s² (NaN if missing) and its device time in s.
 
-        The sensor frame is right-handed; a sensor that lies flat measures +9.81 m/s² on z.
+        `temp_c` is the temperature of the sensor in °C, which the biases follow. The sensor frame is right-handed; a
+        sensor that lies flat measures +9.81 m/s² on z.
         """
         gx, gy, gz = map(float, gyro_dps)
         ax, ay, az = map(float, accel_mps2)
-        is_accepted = self._run.step(float(t_s), gz, Inertial(gx, gy, gz, ax, ay, az))
+        is_accepted = self._run.step(float(t_s), gz, Inertial(gx, gy, gz, ax, ay, az), temp_c=float(temp_c))
         s, attitude = self._run.state, self._run.attitude()
         correction_deg = self._run.correction_deg if is_accepted else 0.0
         certainty = (s.rest_probability, s.confidence, is_accepted, correction_deg)
         return AttitudeEstimate._make((s.yaw_deg, s.yaw_sigma_deg, *attitude, *certainty))
 
-    def update_batch(self, gyro_dps: "ArrayLike", accel_mps2: "ArrayLike", t_s: "ArrayLike") -> AttitudeEstimates:
+    def update_batch(
+        self, gyro_dps: "ArrayLike", accel_mps2: "ArrayLike", t_s: "ArrayLike", temp_c: "ArrayLike | None" = None
+    ) -> AttitudeEstimates:
         """Take many samples, as `update_at` would one by one.
 
         Parameters
@@ -156,6 +159,8 @@ class AttitudeFilter(SecondSources):
             Rates in deg/s and accelerations in m/s², shape (n, 3).
         t_s
             Times on the device clock, s, shape (n,).
+        temp_c
+            Temperatures of the sensor, °C, shape (n,); None if they are unknown.
 
         Raises
         ------
@@ -168,9 +173,13 @@ class AttitudeFilter(SecondSources):
         rates, forces = _table("gyro_dps", gyro_dps, (3,)), _table("accel_mps2", accel_mps2, (3,))
         if not len(times) == len(rates) == len(forces):
             raise UsageError(f"update_batch: {len(times)} times, {len(rates)} rates and {len(forces)} accelerations")
+        temps = np.full(len(times), nan) if temp_c is None else _table("temp_c", temp_c, ())
+        if len(temps) != len(times):
+            raise UsageError(f"update_batch: {len(times)} times and {len(temps)} temperatures")
         table = np.empty((len(AttitudeEstimate._fields), len(times)))
-        for row, (time, rate, force) in enumerate(zip(times.tolist(), rates.tolist(), forces.tolist(), strict=True)):
-            table[:, row] = self.update_at(rate, force, t_s=time)
+        columns = (rates.tolist(), forces.tolist(), times.tolist(), temps.tolist())
+        for row, (rate, force, time, warm_c) in enumerate(zip(*columns, strict=True)):
+            table[:, row] = self.update_at(rate, force, t_s=time, temp_c=warm_c)
         return AttitudeEstimates(table)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from math import isfinite
+from math import isfinite, nan
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
@@ -140,7 +140,7 @@ class DriftFilter(SecondSources):
         """
         self._run.gap(has_restarted=True)
 
-    def update(self, rate_dps: float, dt_s: float) -> Estimate:
+    def update(self, rate_dps: float, dt_s: float, temp_c: float = nan) -> Estimate:
         """Take one sample.
 
         Parameters
@@ -149,20 +149,24 @@ class DriftFilter(SecondSources):
             Measured rate, deg/s, counter-clockwise positive.
         dt_s
             Time since the sample before, s; for the first sample it only sets the start of time.
+        temp_c
+            Temperature of the sensor, °C, which the bias of restlevel follows; NaN if it is unknown.
         """
-        return self.update_at(rate_dps, self._t_s + float(dt_s))
+        return self.update_at(rate_dps, self._t_s + float(dt_s), temp_c)
 
-    def update_at(self, rate_dps: float, t_s: float) -> Estimate:
-        """Take one sample with its device time, s; gives the same bits as `serve`."""
-        return Estimate(*self._taken(float(rate_dps), float(t_s)))
+    def update_at(self, rate_dps: float, t_s: float, temp_c: float = nan) -> Estimate:
+        """Take one sample with its device time, s, and temperature, °C; gives the same bits as `serve`."""
+        return Estimate(*self._taken(float(rate_dps), float(t_s), float(temp_c)))
 
-    def update_batch(self, rate_dps: "ArrayLike", t_s: "ArrayLike") -> Estimates:
+    def update_batch(self, rate_dps: "ArrayLike", t_s: "ArrayLike", temp_c: "ArrayLike | None" = None) -> Estimates:
         """Take many samples, as `update_at` would one by one.
 
         Parameters
         ----------
         rate_dps, t_s
             Rates in deg/s and times on the device clock in s, shape (n,).
+        temp_c
+            Temperatures of the sensor, °C, shape (n,); None if they are unknown.
 
         Raises
         ------
@@ -174,15 +178,20 @@ class DriftFilter(SecondSources):
         rates, times = _series("rate_dps", rate_dps), _series("t_s", t_s)
         if len(rates) != len(times):
             raise UsageError(f"update_batch: {len(rates)} rates and {len(times)} times; each rate needs its time")
+        temps = np.full(len(rates), nan) if temp_c is None else _series("temp_c", temp_c)
+        if len(temps) != len(rates):
+            raise UsageError(f"update_batch: {len(rates)} rates and {len(temps)} temperatures")
         columns = np.empty((len(Estimate._fields), len(rates)))
-        for row, (rate, time) in enumerate(zip(rates.tolist(), times.tolist(), strict=True)):
-            columns[:, row] = self._taken(rate, time)
+        for row, sample in enumerate(zip(rates.tolist(), times.tolist(), temps.tolist(), strict=True)):
+            columns[:, row] = self._taken(*sample)
         yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted, correction = columns
         return Estimates(yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted == 1.0, correction)
 
-    def _taken(self, rate_dps: float, t_s: float) -> tuple[float, float, float, float, float, float, bool, float]:
+    def _taken(
+        self, rate_dps: float, t_s: float, temp_c: float
+    ) -> tuple[float, float, float, float, float, float, bool, float]:
         run, restarts = self._run, self._run.restarts
-        is_accepted = run.step(t_s, rate_dps)
+        is_accepted = run.step(t_s, rate_dps, temp_c=temp_c)
         s = run.state
         has_begun = is_accepted and (s.samples == 1 or run.restarts > restarts)
         if (isfinite(t_s) and t_s > self._t_s) or has_begun:

@@ -104,8 +104,7 @@ class MemoryKeeper(IdleListener):
         elif file.filter != kind.name:
             self._refuse(f"it is for the filter {file.filter}, and {kind.name} runs; use one file per filter")
         elif file.calibration != self._calibration:
-            self._file, self.reason = None, "the calibration has changed, and with it the bias"
-            self.log.warning("memory_new", file=str(self.path), device=self.device, reason=self.reason)
+            self._begin_new("the calibration has changed, and with it the bias")
         else:
             self._use(file, kind.memory, first)
 
@@ -122,10 +121,18 @@ class MemoryKeeper(IdleListener):
         except ValueError as error:
             self._put_aside(" ".join(str(error).split()))
             return
+        if self.pipeline.run.has_axes(first.inertial) and memory.axes(self._before) == 1:
+            self._begin_new("it is of one axis, and the device sends three")
+            return
         temp_c = first.temp_c if isfinite(first.temp_c) else None
         self.pipeline.begin_with(memory.begun(self.pipeline.params, self._before, age_s, temp_c))
         self.state = "used"
         self.log.info("memory_used", file=str(self.path), device=self.device, age_s=round(age_s, 1))
+
+    def _begin_new(self, reason: str) -> None:
+        """Begin without the file, which is replaced at the next sure rest."""
+        self._file, self._before, self.reason = None, None, reason
+        self.log.warning("memory_new", file=str(self.path), device=self.device, reason=reason)
 
     def _refuse(self, reason: str) -> None:
         self.state, self.reason = "refused", reason
@@ -143,11 +150,11 @@ class MemoryKeeper(IdleListener):
             return
         if kind.name != self._filter:  # a new config has changed the filter
             return
-        if self.pipeline.run.three_axes is not None:
-            self._refuse("the filter of three axes has no memory; --axes 1 keeps the bias about z")
+        learner = self.pipeline.run.learner
+        if learner is None:
+            self._refuse(f"the filter {kind.name} has no memory of three axes; --axes 1 keeps the bias about z")
             return
-        age_s = 0.0 if self._file is None else self._file.age_s(now_s)
-        knowledge = kind.memory.learned(self.pipeline.state, self._before, age_s)
+        knowledge = learner(self._before, 0.0 if self._file is None else self._file.age_s(now_s))
         if knowledge is None:
             return
         memory = MemoryFile(self.device, kind.name, now_s, asdict(knowledge), self._calibration)

@@ -11,7 +11,7 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 
 def rows() -> Rows:
     t_s = np.arange(1000, dtype=np.float64) * 0.01
-    rate_dps = 50.0 * np.sin(t_s)
+    rate_dps = 150.0 * np.sin(t_s)
     return Rows({"t_device_s": t_s, "rate_dps": rate_dps, "encoder_deg": np.cumsum(rate_dps) * 0.01})
 
 

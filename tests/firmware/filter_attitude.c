@@ -3,15 +3,27 @@
 #include "restlevel_params.h"
 
 #define STATE gd_attitude
-#define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
-                    or -10000 + turn rate */
-#define OUTPUTS 24
+#define INPUTS 9 /* rates, accelerations, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted, 10000 + heading,
+                    or -10000 + turn rate. REMEMBERED: the parameters are biases, sigmas and age */
+#define OUTPUTS 30
 #define WORK gd_attitude_work
 
+#ifdef REMEMBERED
+static int begin(gd_attitude *a, const double *params) {
+  gd_real biases[3], sigmas[3];
+  for (int i = 0; i < 3; i++) {
+    biases[i] = (gd_real)params[i];
+    sigmas[i] = (gd_real)params[3 + i];
+  }
+  gd_attitude_init(a, NULL);
+  return gd_attitude_remember(a, biases, sigmas, (gd_real)params[6]);
+}
+#else
 static int begin(gd_attitude *a, const double *params) {
   gd_restlevel_params p;
   return gd_attitude_init(a, restlevel_params(&p, params));
 }
+#endif
 
 static void copy(gd_real out[6], const double *input) {
   for (int i = 0; i < 6; i++) {
@@ -20,23 +32,23 @@ static void copy(gd_real out[6], const double *input) {
 }
 
 static void command(gd_attitude *a, const double *input) {
-  if (input[7] == 1.0) {
+  if (input[8] == 1.0) {
     gd_attitude_zero(a);
-  } else if (input[7] == 2.0) {
+  } else if (input[8] == 2.0) {
     gd_attitude_gap(a);
-  } else if (input[7] == 3.0) {
+  } else if (input[8] == 3.0) {
     gd_attitude_restarted(a);
-  } else if (input[7] >= 1000.0) {
-    gd_attitude_heading(a, (gd_real)(input[7] - 10000.0), (gd_real)2.0, (gd_real)360.0);
-  } else if (input[7] <= -1000.0) {
-    gd_attitude_turn_rate(a, (gd_real)(input[7] + 10000.0), (gd_real)0.5);
+  } else if (input[8] >= 1000.0) {
+    gd_attitude_heading(a, (gd_real)(input[8] - 10000.0), (gd_real)2.0, (gd_real)360.0);
+  } else if (input[8] <= -1000.0) {
+    gd_attitude_turn_rate(a, (gd_real)(input[8] + 10000.0), (gd_real)0.5);
   }
 }
 
 static int take(gd_attitude *a, double t_s, const double *input) {
   gd_real sample[6];
   copy(sample, input);
-  const int taken = gd_attitude_update_with(a, t_s, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
+  const int taken = gd_attitude_update_with(a, t_s, sample, sample + 3, (gd_real)input[6], (gd_real)input[7]);
   command(a, input);
   return taken;
 }
@@ -44,7 +56,7 @@ static int take(gd_attitude *a, double t_s, const double *input) {
 static int take_us(gd_attitude *a, uint32_t t_us, const double *input) {
   gd_real sample[6];
   copy(sample, input);
-  const int taken = gd_attitude_update_us_with(a, t_us, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
+  const int taken = gd_attitude_update_us_with(a, t_us, sample, sample + 3, (gd_real)input[6], (gd_real)input[7]);
   command(a, input);
   return taken;
 }
@@ -73,6 +85,10 @@ static void tell(const gd_attitude *a, double *output) {
   output[21] = (double)a->correction_deg;
   output[22] = (double)a->corrections;
   output[23] = (double)a->has_restarted;
+  for (int i = 0; i < 3; i++) {
+    output[24 + i] = (double)a->bias_sigma_xyz_dps[i];
+    output[27 + i] = (double)a->line[i].slope_dps_c;
+  }
 }
 
 #include "filter_driver.h"

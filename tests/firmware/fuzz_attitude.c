@@ -84,10 +84,11 @@ static gd_restlevel_params any_params(void) {
   return p;
 }
 
-static void one_sample(gd_attitude *a, double t_s, const gd_real gyro[3], const gd_real accel[3], gd_real still) {
+static void one_sample(gd_attitude *a, double t_s, const gd_real gyro[3], const gd_real accel[3], gd_real still,
+                       gd_real temp_c) {
   static gd_attitude before;
   before = *a;
-  if (!gd_attitude_update_with(a, t_s, gyro, accel, still, (gd_real)NAN)) {
+  if (!gd_attitude_update_with(a, t_s, gyro, accel, still, temp_c)) {
     before.rejected++;
     if (memcmp(&before, a, sizeof before) != 0) {
       fail("a refused sample changes the state", a->samples);
@@ -101,10 +102,16 @@ static void run(unsigned long seed) {
   double t_s = uniform(-10.0, 1e6);
   largest = GD_R(0.0);
   gd_attitude_init(&a, one_in(2) ? &params : NULL);
+  if (one_in(2)) {
+    const gd_real biases[3] = {(gd_real)any_rate(), (gd_real)any_rate(), (gd_real)any_rate()};
+    const gd_real sigmas[3] = {(gd_real)uniform(0.0, 1.0), (gd_real)uniform(-0.1, 1.0), (gd_real)uniform(0.0, 100.0)};
+    gd_attitude_remember(&a, biases, sigmas, (gd_real)any_step());
+  }
   for (int period = 0; period < PERIODS; period++) {
     const double step_s = any_step(), noise = one_in(3) ? 0.0 : 0.05;
     const int samples = (int)uniform(1.0, 300.0), is_level = one_in(2);
     const gd_real still = one_in(2) ? (gd_real)NAN : (gd_real)one_in(2);
+    const double temp_c = one_in(2) ? uniform(-50.0, 100.0) : any_rate();
     double rates[3], forces[3];
     for (int i = 0; i < 3; i++) {
       rates[i] = any_rate();
@@ -117,7 +124,7 @@ static void run(unsigned long seed) {
         accel[i] = (gd_real)(forces[i] + uniform(-noise, noise));
       }
       t_s += step_s;
-      one_sample(&a, t_s, gyro, accel, still);
+      one_sample(&a, t_s, gyro, accel, still, (gd_real)(temp_c + uniform(-0.1, 0.1)));
       check(&a, seed);
     }
     if (one_in(8)) {

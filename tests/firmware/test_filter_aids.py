@@ -89,11 +89,11 @@ def test_three_axes_take_headings_and_turn_rates(c_filters: CFilters) -> None:
     gyro_dps[:, 2] = one.measured(rng, rate_dps)
     accel_mps2 = rng.normal(0.0, 0.03, (len(t_s), 3)) + np.array((0.0, 0.0, 9.81))
     inputs = three.samples(gyro_dps, accel_mps2)
-    inputs[:, 7] = commands
+    inputs[:, three.COMMAND] = commands
     c, s = attitude_coefficients(RestlevelParams()), AttitudeState()
 
     def sample(i: int) -> bool:
-        return attitude_step(c, s, float(t_s[i]), *inputs[i, :7].tolist())
+        return attitude_step(c, s, float(t_s[i]), *inputs[i, : three.COMMAND].tolist())
 
     python = python_yaws(AIDED_ATTITUDE, c, s, sample, commands)
     library = c_filters.get("filter_attitude.c", "double")

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from c_attitude_support import COUNTS, SIGMA, TILT, YAW, in_python, samples, values_of
+from attitude_support import remembering
+from c_attitude_support import COMMAND, COUNTS, SIGMA, TEMPERATURE, TILT, YAW, in_python, samples, values_of
 from c_filter_support import (
     INTERLEAVINGS,
     CFilter,
@@ -107,7 +108,7 @@ def with_gaps_and_refused_samples() -> Session:
 def with_restarts() -> Session:
     """Gaps and restarts that are told, with clocks that go on and that begin again, and biases that change."""
     t_s, inputs = of_motion("hand_slow")
-    inputs[500, 7], inputs[900, 7], inputs[1400, 7] = GAP, RESTARTED, RESTARTED
+    inputs[[500, 900, 1400], COMMAND] = GAP, RESTARTED, RESTARTED
     inputs[901:, :3] += (0.3, -0.2, 0.5)
     t_s[1401:] -= t_s[1401]
     return t_s, inputs
@@ -126,7 +127,17 @@ def with_a_rest_sensor() -> Session:
     inputs[:, 6] = np.abs(inputs[:, :3] - np.median(inputs[:, :3], axis=0)).max(axis=1) < 1.0
     inputs[(t_s > 15.0) & (t_s < 20.0), 6] = nan
     inputs[t_s > 45.0, 6] = 1.0
-    inputs[400::900, 7] = 1.0
+    inputs[400::900, COMMAND] = 1.0
+    return t_s, inputs
+
+
+def with_a_temperature() -> Session:
+    """Rests and turns of a device that warms up; some temperatures are missing or none."""
+    t_s, inputs = still_then(lambda t_s: np.where(t_s % 14.0 > 12.0, 40.0, 0.0)[:, None] * np.ones(3), 60.0)
+    temp_c = 20.0 + 0.2 * t_s
+    inputs[:, :3] += np.outer(temp_c - 20.0, (0.01, -0.02, 0.015))
+    inputs[:, TEMPERATURE] = temp_c
+    inputs[::3, TEMPERATURE], inputs[::50, TEMPERATURE] = nan, 1e9
     return t_s, inputs
 
 
@@ -162,12 +173,13 @@ ODD = {
         with_restarts,
         with_spikes,
         with_a_rest_sensor,
+        with_a_temperature,
         falling,
         overhead,
         in_a_hand,
     )
 }
-DIVIDED = ("with_gaps_and_refused_samples", "with_restarts", "with_a_rest_sensor", "overhead")
+DIVIDED = ("with_gaps_and_refused_samples", "with_restarts", "with_a_rest_sensor", "with_a_temperature", "overhead")
 """Recordings whose work is done in portions."""
 
 EVEN: dict[str, Callable[[], Session]] = {
@@ -242,6 +254,41 @@ def test_other_parameters_give_the_same_estimates(c_filters: CFilters, params: R
     assert_the_same(c_filters, of_motion("arm", 30.0), params)
 
 
+@pytest.mark.parametrize(
+    ("values", "name"),
+    [
+        ([0.4, -0.4, 0.2, 0.01, 0.01, 0.02, 300.0], "with_restarts"),
+        ([0.4, -0.4, 0.2, 0.01, 0.01, 0.02, 3600.0], "with_a_temperature"),
+        ([1.5, -0.6, 0.9, 0.002, 0.01, 0.0, 86400.0], "hand_fast"),
+        ([0.001, 0.0, -0.002, 0.001, 0.001, 0.001, 3600.0], "hand_slow"),
+    ],
+)
+def test_remembered_biases_agree_with_python(c_filters: CFilters, values: list[float], name: str) -> None:
+    """Right ones and wrong ones, at rest and in motion."""
+    t_s, inputs = ODD[name]() if name in ODD else of_motion(name)
+    first = 300 if name in MOTIONS else 0
+    t_s, inputs = t_s[first:], inputs[first:]
+    python = in_python(t_s, inputs, state=remembering(values[:3], values[3:6], values[6]))
+    double, single = (
+        c_filters.get("filter_attitude.c", real, "-DREMEMBERED").run(t_s, inputs, values)
+        for real in ("double", "float")
+    )
+    assert double.is_valid
+    assert np.abs(double.rows - python.rows)[:, YAW].max() < DOUBLE_DEG
+    assert np.abs(double.rows - python.rows).max() < OUTPUT_ROUNDING
+    assert np.abs(single.rows - double.rows)[:, YAW].max() < 10.0 * FLOAT_DEG
+
+
+def test_biases_that_are_none_are_not_remembered(c_filters: CFilters) -> None:
+    t_s, inputs = of_motion("hand_slow", 3.0)
+    library = c_filters.get("filter_attitude.c", "double", "-DREMEMBERED")
+    usual = program(c_filters, "double").run(t_s, inputs)
+    for values in ([nan, 0.1, 0.1, 0.1, 0.1, 0.1, 0.0], [0.1, 0.1, 0.1, 0.1, -1.0, 0.1, 0.0], [0.1] * 6 + [-1.0]):
+        refused = library.run(t_s, inputs, values)
+        assert not refused.is_valid
+        assert np.array_equal(refused.rows, usual.rows)
+
+
 odd_rates = st.one_of(st.floats(-300.0, 300.0), st.sampled_from([0.0, 2000.0, -9999.0, 1e300, inf, nan]))
 odd_forces = st.one_of(st.floats(-20.0, 20.0), st.sampled_from([0.0, 9.81, 19.6, -157.0, 3900.0, 1e300, inf, nan]))
 odd_steps_s = st.one_of(st.just(0.01), st.floats(1e-3, 10.0), st.sampled_from([1e5, 0.0, -1.0]))
@@ -261,7 +308,7 @@ moves = st.lists(
 @given(moves=moves)
 def test_any_samples_are_accepted_as_in_python_and_stay_finite(c_filters: CFilters, moves: list[Any]) -> None:
     """Float and double refuse the samples that Python refuses."""
-    rows = [(step, *gyro, *accel, still, nan) for step, gyro, accel, still, count in moves for _ in range(count)]
+    rows = [(step, *gyro, *accel, still, nan, nan) for step, gyro, accel, still, count in moves for _ in range(count)]
     table = np.array(rows, dtype=np.float64)
     t_s, inputs = np.cumsum(table[:, 0]), table[:, 1:]
     python = in_python(t_s, inputs)
@@ -313,7 +360,7 @@ def test_fewer_hypotheses_save_memory_and_still_know_rests(c_filters: CFilters) 
 
 
 def test_the_state_has_the_size_that_the_docs_tell(c_filters: CFilters) -> None:
-    assert 14_500 < program(c_filters, "float").state_bytes < 15_500
+    assert 14_500 < program(c_filters, "float").state_bytes < 15_600
 
 
 @pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.evaluation)])

@@ -42,7 +42,8 @@ gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_d
 gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]);
 
 gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]) {
-  if (gd_attitude_init(a, NULL) && gd_attitude_update(a, t_s, gyro_dps, accel_mps2) &&
+  if (gd_attitude_init(a, NULL) && gd_attitude_remember(a, gyro_dps, gyro_dps, gyro_dps[0]) &&
+      gd_attitude_update_with(a, t_s, gyro_dps, accel_mps2, gyro_dps[0], gyro_dps[0]) && gd_attitude_update(a, t_s, gyro_dps, accel_mps2) &&
       gd_attitude_update_us(a, t_us, gyro_dps, accel_mps2)) {
     gd_attitude_work(a);
     gd_attitude_gap(a);

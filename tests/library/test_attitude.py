@@ -16,14 +16,16 @@ from gyrodrift.values.sample import Inertial
 
 def test_a_batch_has_the_bits_of_the_service_also_in_parts() -> None:
     motion = hand_motion(20.0)
+    temp_c = 20.0 + motion.t_s / 10.0
     run, expected = FilterRun(RESTLEVEL, RESTLEVEL.params(), "3"), []
-    for t_s, gyro, accel in zip(motion.t_s.tolist(), motion.gyro_dps.tolist(), motion.accel_mps2.tolist(), strict=True):
-        run.step(t_s, gyro[2], Inertial(*gyro, *accel))
+    columns = (motion.t_s, motion.gyro_dps, motion.accel_mps2, temp_c)
+    for t_s, gyro, accel, warm_c in zip(*(column.tolist() for column in columns), strict=True):
+        run.step(t_s, gyro[2], Inertial(*gyro, *accel), temp_c=warm_c)
         expected.append(run.state.yaw_deg)
     whole, parts = gyrodrift.AttitudeFilter(), gyrodrift.AttitudeFilter()
-    estimates = whole.update_batch(motion.gyro_dps, motion.accel_mps2, motion.t_s)
+    estimates = whole.update_batch(motion.gyro_dps, motion.accel_mps2, motion.t_s, temp_c)
     cut = [
-        parts.update_batch(motion.gyro_dps[part], motion.accel_mps2[part], motion.t_s[part])
+        parts.update_batch(motion.gyro_dps[part], motion.accel_mps2[part], motion.t_s[part], temp_c[part])
         for part in (slice(0, 777), slice(777, None))
     ]
     assert estimates.yaw_deg.tolist() == expected

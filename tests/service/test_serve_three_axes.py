@@ -34,6 +34,7 @@ report = tuple[list[dict[str, Any]], list[dict[str, Any]]]
 
 def served(folder: Path, motion: HandMotion, *words: str | Path) -> report:
     link, session = folder / "gyro", motion.write(folder / "motion.csv")
+    link.unlink(missing_ok=True)  # of an earlier run
     with Command("replay", session, "--protocol", "native", "--link", link, "--speed", "max") as replay:
         replay.until(lambda _: link.is_symlink(), "port")
         with Command("serve", "--port", link, "--log-format", "json", *words) as serve:
@@ -127,11 +128,42 @@ def test_axes_3_on_a_device_of_one_axis_is_told_once(tmp_path: Path) -> None:
     assert [json.loads(line)["event"] for line in serve.log.splitlines()].count("axes_missing") == 1
 
 
-def test_memory_is_refused_and_a_recording_has_all_axes(tmp_path: Path, motion: HandMotion) -> None:
+def test_the_second_run_begins_with_the_biases_of_the_first_and_so_does_its_recording(tmp_path: Path) -> None:
     memory, folder = tmp_path / "memory.json", tmp_path / "recordings"
-    _, events = served(tmp_path, motion, "--memory", memory, "--record", folder)
-    refused = [event for event in events if event["event"] == "memory_refused"]
-    assert [event["reason"].split(";")[0] for event in refused] == ["the filter of three axes has no memory"]
+    motion = hand_motion(16.0, tilt_deg=20.0, yaw_deg=20.0, bias_dps=BIAS_DPS)
+    _, events = served(tmp_path, hand_motion(13.0, tilt_deg=0.0, yaw_deg=0.0, bias_dps=BIAS_DPS), "--memory", memory)
+    assert [event["event"] for event in events if "memory" in event["event"]] == ["memory_new"]
+    knowledge = json.loads(memory.read_text())["knowledge"]
+    remembered_dps = (knowledge["x"]["bias_dps"], knowledge["y"]["bias_dps"], knowledge["bias_dps"])
+    assert remembered_dps == pytest.approx(BIAS_DPS, abs=0.02)
+    moving = HandMotion(
+        *(column[600:] for column in (motion.t_s, motion.gyro_dps, motion.accel_mps2, motion.heading_deg))
+    )
+    lines, events = served(tmp_path, moving, "--memory", memory, "--record", folder)
+    assert [event["event"] for event in events if "memory" in event["event"]] == ["memory_used"]
+    assert lines[0]["bias_xyz_dps"] == pytest.approx(BIAS_DPS, abs=0.05)
+    (recording,) = folder.glob("*.mcap")
+    with Command("filter", recording) as filtered:
+        assert filtered.end() == 0
+    header, *rows = (row.split(",") for row in filtered.out.splitlines())
+    assert [float(rows[n][header.index("bias_z_dps")]) for n in (0, -1)] == pytest.approx(
+        [lines[n]["bias_xyz_dps"][2] for n in (0, -1)], abs=1e-4
+    )
+
+
+def test_a_memory_of_one_axis_starts_empty_on_three(tmp_path: Path, short: HandMotion) -> None:
+    memory = tmp_path / "memory.json"
+    still = hand_motion(13.0, tilt_deg=0.0, yaw_deg=0.0, bias_dps=BIAS_DPS)
+    served(tmp_path, still, "--memory", memory, "--axes", "1")
+    assert "x" not in {key for key, value in json.loads(memory.read_text())["knowledge"].items() if value}
+    _, events = served(tmp_path, short, "--memory", memory)
+    (event,) = (event for event in events if "memory" in event["event"])
+    assert (event["event"], event["reason"]) == ("memory_new", "it is of one axis, and the device sends three")
+
+
+def test_a_recording_has_all_axes(tmp_path: Path, motion: HandMotion) -> None:
+    folder = tmp_path / "recordings"
+    served(tmp_path, motion, "--record", folder)
     (recording,) = folder.glob("*.mcap")
     session = load_session(recording)
     assert session.accel_mps2 is not None

@@ -283,6 +283,8 @@ def _white_power(bands: Bands, power: Floats, passed: Floats, gyro: GyroModel) -
     folded = 2.0 * np.abs(centers_hz[top] * bands.period_s + np.arange(-FOLDS, FOLDS + 1)[:, None])
     columns = np.column_stack([passed[top], *(np.power(folded, -fall).sum(axis=0) for fall in FALLS)])
     weights = 1.0 / bands.relative_error[top]
-    parts, _ = nnls(columns * (weights / power[top])[:, None], weights)
+    terms = columns * (weights / power[top])[:, None]
+    sizes = np.linalg.norm(terms, axis=0)  # of one size, since the iteration may not end otherwise
+    parts = nnls(terms / sizes, weights)[0] / sizes
     stated, rounding = (np.square([gyro.stated_noise_dps, gyro.count_dps / 12.0**0.5]) * bands.window_power).tolist()
     return float(max(rounding, min(max(stated + rounding, parts[0]), (power / passed).min())))

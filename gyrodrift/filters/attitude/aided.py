@@ -6,10 +6,10 @@ As in restlevel: a measurement is right or wrong, and each hypothesis is the mix
 import numpy as np
 
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading
-from gyrodrift.filters.attitude.block import next_block
+from gyrodrift.filters.attitude.block import RAD, next_block
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING
 from gyrodrift.filters.attitude.mixture import ordered
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.update import publish
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.filters.gaps import add_correction

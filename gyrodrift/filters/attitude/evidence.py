@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
+from gyrodrift.filters.attitude.model import AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.beliefs import MAX_RAMP_S, PARTS, SPINS_PER_DPS
 from gyrodrift.values.arrays import Floats, Mask
@@ -35,7 +36,7 @@ MODEL_ERROR = 0.1
 Measured: recordings of five rigs, median heading error."""
 
 
-SAME_RATE = 0.01
+SAME_RATE = 0.005
 """Error of a bias that its covariance does not contain, deg/s, where a rest is tested once a bias is known.
 Chosen: flicker of common parts within seconds."""
 

@@ -4,10 +4,10 @@ from math import radians
 
 import numpy as np
 
-from gyrodrift.filters.attitude.block import integrals, next_block
+from gyrodrift.filters.attitude.block import RAD, integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, UNDECIDED
 from gyrodrift.filters.attitude.mixture import merge_and_prune
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.rests import Segment
 from gyrodrift.filters.attitude.update import end_block, publish
 from gyrodrift.filters.attitude.velocity import forget_velocity
@@ -28,6 +28,7 @@ def pass_gap(c: AttitudeCoefficients, s: AttitudeState, step_s: float, gyro: Vec
     h.cov[:, BIAS, BIAS] += drift_var(seconds, c.walk_var, c.drift_rate, c.bias_sigma**2) * np.eye(3)
     h.regime[:] = UNDECIDED
     forget_velocity(h)
+    s.lived_s += step_s
     s.windows.blocks, s.segment = 0, Segment()
     s.gyro_dps, s.suspect_s = gyro, 0.0
     if count_gap(s.watch, step_s) and c.bias_sigma > 0.0:
@@ -56,5 +57,5 @@ def reopen(c: AttitudeCoefficients, s: AttitudeState) -> None:
     h.cov[:, :, BIAS] = 0.0
     h.cov[:, BIAS, BIAS] = c.bias_sigma**2 * np.eye(3)
     h.knows_bias[:] = False
-    s.windows.total = 0
+    s.windows.total, s.remembers = 0, False
     s.hypotheses = merge_and_prune(h)

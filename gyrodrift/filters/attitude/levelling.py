@@ -3,9 +3,9 @@
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import products, unit
-from gyrodrift.filters.attitude.block import Integrals
+from gyrodrift.filters.attitude.block import RAD, Integrals
 from gyrodrift.filters.attitude.hypotheses import BIAS
-from gyrodrift.filters.attitude.model import RAD, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY
 from gyrodrift.values.quaternion import level, rotate
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import conjugates, products, to_rotation_vectors
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import (
     ATTITUDE,
     BIAS,
@@ -15,7 +16,6 @@ from gyrodrift.filters.attitude.hypotheses import (
     VELOCITY,
     Hypotheses,
 )
-from gyrodrift.filters.attitude.rests import RAD
 from gyrodrift.filters.beliefs import MAX_HYPOTHESES, SAME_YAW_DEG, TAIL
 from gyrodrift.values.arrays import Floats
 

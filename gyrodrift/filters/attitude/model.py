@@ -10,7 +10,8 @@ from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.motion import MotionMemory
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.gaps import GapWatch
-from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.filters.restlevel.bias_state import AxisKnowledge
+from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelParams, curve
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.quaternion import IDENTITY, Quaternion, heading_axis, tilt_deg
 from gyrodrift.values.vectors import Vector
@@ -73,6 +74,11 @@ def coefficients(params: RestlevelParams) -> AttitudeCoefficients:
     )
 
 
+def three_axes() -> list[AxisKnowledge]:
+    """Three axes of which nothing is known."""
+    return [AxisKnowledge(), AxisKnowledge(), AxisKnowledge()]
+
+
 @dataclass(slots=True)
 class AttitudeState:
     """State after a sample.
@@ -89,8 +95,8 @@ class AttitudeState:
         Unwrapped twist of q about the vertical, 0 at the first sample, and its standard deviation.
     tilt_sigma_deg
         Standard deviation of the inclination.
-    bias_xyz_dps
-        Bias estimate of the three axes.
+    bias_xyz_dps, bias_sigma_xyz_dps
+        Bias estimate of the three axes, and its standard deviations.
     bias_dps, bias_sigma_dps
         Bias estimate of the rate of the heading, and its standard deviation.
     rest_probability, confidence
@@ -111,6 +117,13 @@ class AttitudeState:
         Mean (3) of the prior of an unknown bias, rad/s: 0, or the last estimate before a restart.
     motion
         Properties of the motion in the last seconds.
+    temp_c
+        Last temperature, °C; UNKNOWN_C before the first.
+    lived_s
+        Time since the first sample up to the present block, s.
+    axes, remembers
+        Remembered biases, bias against temperature and sure rests of x, y and z. Whether hypotheses have a remembered
+        bias, and there was no rest candidate yet.
     """
 
     t_s: float = 0.0
@@ -124,6 +137,7 @@ class AttitudeState:
     yaw_sigma_deg: float = 0.0
     tilt_sigma_deg: float = 180.0
     bias_xyz_dps: Vector = (0.0, 0.0, 0.0)
+    bias_sigma_xyz_dps: Vector = (0.0, 0.0, 0.0)
     bias_dps: float = 0.0
     bias_sigma_dps: float = 0.0
     rest_probability: float = 0.0
@@ -143,6 +157,10 @@ class AttitudeState:
     noise_var: float = 0.0
     turn_on_bias: Floats = field(default_factory=lambda: np.zeros(3))
     motion: MotionMemory = field(default_factory=MotionMemory)
+    temp_c: float = UNKNOWN_C
+    lived_s: float = 0.0
+    axes: list[AxisKnowledge] = field(default_factory=three_axes)
+    remembers: bool = False
 
     @property
     def tilt_deg(self) -> float:
@@ -154,3 +172,10 @@ class AttitudeState:
         """Rate of the heading, deg/s, from the measured rates, before the bias is subtracted."""
         axis, rate = heading_axis(self.q), self.gyro_dps
         return axis[0] * rate[0] + axis[1] * rate[1] + axis[2] * rate[2]
+
+    @property
+    def temp_curve(self) -> dict[str, float] | None:
+        """Bias of the rate of the heading against temperature, for the status; None before the first measurement."""
+        lines = [(share, axis.line) for share, axis in zip(heading_axis(self.q), self.axes, strict=True)]
+        slope_dps_c = sum(share * line.slope_dps_c for share, line in lines)
+        return curve(lines[0][1].points, slope_dps_c, sum(share * share * line.slope_var for share, line in lines))

@@ -8,10 +8,11 @@ velocity decide between the branches.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, SAME_RATE, must_agree, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
+from gyrodrift.filters.attitude.model import AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
 from gyrodrift.filters.beliefs import MAX_RAMP_S, duration_odds
 from gyrodrift.values.arrays import Floats
@@ -162,13 +163,16 @@ def widen(h: Hypotheses, off: Floats, variance: Floats) -> None:
         h.cov[i] += (factor - 1.0) * carried @ np.linalg.inv(h.cov[i, BIAS, BIAS]) @ carried.T
 
 
-def is_same_rest(h: Hypotheses, m: RestCandidate) -> bool:
-    """Whether the rates of a later window fit the bias of the first hypothesis of rest."""
+def is_same_rest(h: Hypotheses, m: RestCandidate, undone: Floats) -> bool:
+    """Whether the rates of a later window fit the bias of the first hypothesis of rest, before it was changed.
+
+    `undone` (3) is the change of the bias after the end of the rest, rad/s.
+    """
     rest = h.select(np.flatnonzero(h.regime == REST)[:1])
     if not len(rest.weight):
         return True
     error, variance = np.zeros((1, STATES)), np.diag(m.gyro_var * scatter_share(m) + (SAME_RATE * RAD) ** 2)
-    inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias, variance)
+    inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias + undone, variance)
     return bool((innovation.transpose(0, 2, 1) @ inverse @ innovation)[0, 0, 0] <= GATE)
 
 

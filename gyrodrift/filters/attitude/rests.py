@@ -7,6 +7,7 @@ import numpy as np
 
 from gyrodrift.filters.attitude.block import RAD, Integrals
 from gyrodrift.filters.attitude.predict import GRAVITY
+from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.values.arrays import Floats
 
 GYRO_SPREAD = 0.15 * RAD
@@ -102,6 +103,18 @@ class Segment:
         Time since the candidate was found.
     gyro
         Mean rates (3) where it was found, rad/s.
+    up
+        Vertical (3) in the sensor where it was found.
+    level
+        Mean rate about the vertical, rad/s, before the newest blocks.
+    level_blocks
+        Blocks in a row that have this rate.
+    rest
+        Most probable rest, about the vertical: its bias, deg/s, and the slide of that bias.
+    undone
+        Change of the biases about the vertical at a gradual end, rad/s.
+    ended_gradually
+        The rate left the segment slowly.
     """
 
     blocks: int = 0
@@ -109,6 +122,12 @@ class Segment:
     ago: int = 0
     seconds: float = 0.0
     gyro: Floats = field(default_factory=lambda: np.zeros(3))
+    up: Floats = field(default_factory=lambda: np.zeros(3))
+    level: float = 0.0
+    level_blocks: int = 0
+    rest: Hypothesis = field(default_factory=Hypothesis)
+    undone: float = 0.0
+    ended_gradually: bool = False
 
 
 @dataclass(slots=True)

@@ -2,11 +2,23 @@
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST, UNDECIDED
 from gyrodrift.filters.attitude.mixture import merge_and_prune
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.regimes import branch, is_same_rest, measure_rest, weigh_duration
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, RestCandidate, Segment, find_rest
+from gyrodrift.filters.attitude.vertical import (
+    begin_level,
+    begin_slide,
+    end_level,
+    follow_bias,
+    follow_level,
+    leaves_level,
+    resume_level,
+    resumes_level,
+    slopes,
+)
 from gyrodrift.filters.attitude.witness import certain_rest, keep_rests
 from gyrodrift.filters.beliefs import MAJORITY
 
@@ -32,7 +44,8 @@ RESUME_BLOCKS = 11
 
 QUIET_ODDS = 4.0
 """Odds of a rest by an accelerometer as quiet as the gyro: vehicles in a bend shake. Chosen: with `rest_share` 0.2
-rests and turns are equally frequent. The first sample has `still_start` alone, whatever the accelerometer."""
+rests and turns are equally frequent. The first sample has `still_start` alone, whatever the accelerometer. A segment
+after one that ended gradually has `rest_share` alone: the accelerometer was quiet all the time."""
 
 
 def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
@@ -43,43 +56,65 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
     certain = certain_rest(c, s)
     is_resting = segment.blocks > 0 or bool(s.hypotheses.knows_bias[0])
     candidate = certain or find_rest(s.windows, c.limits, is_resting=is_resting)
-    goes_on = candidate is not None and continues(s, candidate)
-    if certain is None and segment.blocks > 0 and not goes_on and candidate is not None:
-        s.windows.blocks, candidate = 1, None  # the next window has blocks of the new level alone
+    goes_on = candidate is not None and continues(c, s, candidate)
+    if candidate is not None and certain is None and end_between_levels(c, s, candidate, goes_on=goes_on):
+        candidate = None
     if candidate is None:
         end_segment(s)
-    elif not goes_on:
-        begin_segment(c, s, candidate, is_certain=certain is not None)
-    elif segment.blocks == 0:
-        segment.blocks, segment.since = candidate.kind.blocks, 0
-        update_rest(s, candidate, 1.0)
+    elif goes_on:
+        continue_segment(c, s, candidate)
     else:
-        segment.blocks = candidate.kind.blocks
-        segment.since += 1
-        if segment.since >= UPDATE_BLOCKS:
-            let_drift(c, s)
-            lengthen(c, s)
-            update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
+        begin_segment(c, s, candidate, is_certain=certain is not None)
     if certain is not None:
         keep_rests(s)
     if s.rest_probability > MAJORITY and candidate is not None:
         learn_noise(c, s, candidate)
 
 
+def end_between_levels(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate, *, goes_on: bool) -> bool:
+    """End the segment by a window with blocks of two levels; return whether it is one, or its rate still changes."""
+    if s.segment.blocks == 0:
+        return slopes(c, s, candidate)
+    if not goes_on:
+        end_level(c, s)
+    return not goes_on
+
+
+def continue_segment(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
+    """Resume or lengthen a segment by a candidate that ends with this block."""
+    segment = s.segment
+    resumes, segment.blocks = segment.blocks == 0, candidate.kind.blocks
+    if resumes:
+        segment.since, was_brief = 0, segment.level_blocks < QUIET.blocks
+        resume_level(s, candidate)
+        update_rest(s, candidate, 1.0)
+        if was_brief:
+            begin_slide(s)
+        return
+    follow_level(s)
+    segment.since += 1
+    if segment.since >= UPDATE_BLOCKS:
+        let_drift(c, s)
+        lengthen(c, s)
+        update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
+        follow_bias(c, s, UPDATE_BLOCKS * c.block_s)
+
+
 def learn_noise(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
-    """Follow the angle random walk of a gyro that is noisier than usual, by the scatter of block means at rest."""
-    noise_var = max(GYRO_NOISE**2, float(candidate.gyro_var.mean()) * c.block_s)
-    s.noise_var += NOISE_SHARE * (noise_var - s.noise_var)
+    """Follow the angle random walk of the gyro by the scatter of block means at rest."""
+    s.noise_var += NOISE_SHARE * (float(candidate.gyro_var.mean()) * c.block_s - s.noise_var)
 
 
 def begin_segment(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate, *, is_certain: bool) -> None:
     """Branch all hypotheses by a new candidate."""
     is_from_start = s.windows.total <= candidate.kind.blocks + START_BLOCKS
     odds = c.start_odds if is_from_start else c.rest_odds
-    odds *= 1.0 if s.watch.restarts == 0 and is_from_start else QUIET_ODDS
+    is_at_first = s.watch.restarts == 0 and is_from_start
+    odds *= 1.0 if is_at_first or left_gradually(s) else QUIET_ODDS
     odds = CERTAIN_ODDS if is_certain else odds
     s.hypotheses = merge_and_prune(branch(c, s.hypotheses, candidate, odds, s.turn_on_bias))
     s.segment = Segment(candidate.kind.blocks, 0, 0, candidate.kind.blocks * c.block_s, candidate.gyro)
+    begin_level(s, candidate)
 
 
 def end_segment(s: AttitudeState) -> None:
@@ -91,13 +126,22 @@ def end_segment(s: AttitudeState) -> None:
         s.hypotheses.regime[:] = UNDECIDED
 
 
-def continues(s: AttitudeState, candidate: RestCandidate) -> bool:
+def left_gradually(s: AttitudeState) -> bool:
+    """Whether the last segment has just ended gradually: the device has not moved since but for a slow turn."""
+    return s.segment.ended_gradually and s.segment.ago < RESUME_BLOCKS
+
+
+def continues(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> bool:
     """Whether a window has the rates of the present or the last segment, and the bias of its rest."""
-    segment = s.segment
+    segment, h = s.segment, s.hypotheses
     if segment.seconds == 0.0 or (segment.blocks == 0 and segment.ago >= RESUME_BLOCKS):
         return False
+    if leaves_level(c, s, candidate) if segment.blocks > 0 else not resumes_level(c, s, candidate):
+        return False
     limit = max(candidate.kind.gyro, 1.0) * GYRO_SPREAD
-    return bool(np.abs(candidate.gyro - segment.gyro).max() < 2.0 * limit) and is_same_rest(s.hypotheses, candidate)
+    may_drift = candidate.kind is QUIET and bool((h.regime == REST).any())
+    is_near = may_drift or bool(np.abs(candidate.gyro - segment.gyro).max() < 2.0 * limit)
+    return is_near and is_same_rest(h, candidate, segment.undone * segment.up)
 
 
 def let_drift(c: AttitudeCoefficients, s: AttitudeState) -> None:

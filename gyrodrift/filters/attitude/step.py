@@ -10,6 +10,7 @@ from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
 from gyrodrift.filters.gaps import count_correction, longest_step_s
 from gyrodrift.filters.limits import LEAST_STEP_S
+from gyrodrift.filters.restlevel.model import COLDEST_C, WARMEST_C
 from gyrodrift.values.quaternion import product
 from gyrodrift.values.vectors import Vector
 
@@ -45,9 +46,9 @@ def step(
     """Take a sample: rates in deg/s, specific force in m/s² (NaN: missing); False if it is rejected.
 
     A sample is rejected if time does not increase, except after a restart, or if time or a rate is not finite or out of
-    range. `still` is 1 at rest and 0 in motion by an external sensor. `temp_c` has no effect so far.
+    range. `still` is 1 at rest and 0 in motion by an external sensor. `temp_c` is the temperature of the sensor in °C.
+    Both are NaN if unknown.
     """
-    del temp_c
     is_usable = isfinite(t_s) and -FASTEST_DPS < gx < FASTEST_DPS
     is_usable = is_usable and -FASTEST_DPS < gy < FASTEST_DPS and -FASTEST_DPS < gz < FASTEST_DPS
     dt = t_s - s.t_s
@@ -70,6 +71,8 @@ def step(
         _turn(s, dt, (gx, gy, gz), accel, before)
     s.samples += 1
     s.t_s = t_s
+    if COLDEST_C < temp_c < WARMEST_C:
+        s.temp_c = temp_c
     if still == still:  # noqa: PLR0124 - not NaN
         hear(s, still)
     if s.block.seconds >= c.block_s - 1e-9 and s.block.samples >= 2:

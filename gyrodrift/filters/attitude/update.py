@@ -5,7 +5,7 @@ from math import degrees, sqrt
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
+from gyrodrift.filters.attitude.block import RAD, InertialBlock, Integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import (
     BIAS,
     FORCE_BIAS,
@@ -17,13 +17,19 @@ from gyrodrift.filters.attitude.hypotheses import (
     Hypotheses,
     first_hypothesis,
 )
+from gyrodrift.filters.attitude.knowledge import (
+    begin_remembered,
+    drop_wrong_memory,
+    follow_temperature,
+    learn_when_sure,
+)
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.mixture import moments, ordered
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
 from gyrodrift.filters.attitude.regimes import REST_BIAS
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
-from gyrodrift.filters.attitude.segments import GYRO_NOISE, follow_rest
+from gyrodrift.filters.attitude.segments import GYRO_NOISE, follow_rest, left_gradually
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.filters.beliefs import MAJORITY, MAX_RAMP_S
@@ -55,18 +61,21 @@ def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
     diagonal[FORCE_BIAS] = FORCE_BIAS_SIGMA**2
     diagonal[SCALE] = (c.scale_sigma**2 * np.eye(3) + c.cross_sigma**2 * (1.0 - np.eye(3))).ravel()
     h.cov[0] = np.diag(diagonal)
-    s.hypotheses, s.noise_var, s.block = h, GYRO_NOISE**2, InertialBlock()
+    s.hypotheses, s.noise_var, s.block = h, max(GYRO_NOISE**2, s.noise_var), InertialBlock()
+    begin_remembered(c, s)
     publish(s)
 
 
 def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> None:
     """Update all hypotheses by a finished block, and begin the next one."""
     h = s.hypotheses
+    s.lived_s += block.seconds
     is_held = standing(c, s, block)
     h.yaw_deg = h.yaw_deg + np.where(is_held, 0.0, s.yaw_deg - s.start_yaw_deg)
     is_blind = s.block.is_clipped or not np.isfinite(block.velocity).all()
     usable = with_gravity(h, block) if is_blind else block
-    predict(h, usable, c.walk_var, s.noise_var, is_held)
+    predict(h, usable, c.walk_var, max(s.noise_var, GYRO_NOISE**2), is_held)
+    follow_temperature(s, block.seconds)
     widen_by_tilt(s)
     widen_by_motion(s, block.seconds)
     if is_blind:
@@ -77,9 +86,11 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
         bound_velocity(s, block.seconds, is_still=s.segment.blocks > 0)
     add_block(s.windows, block)
     follow_rest(c, s)
+    drop_wrong_memory(c, s)
     s.hypotheses = ordered(s.hypotheses)
     unwrap_headings(s.hypotheses)
     publish(s)
+    learn_when_sure(c, s, block.seconds)
     s.block = next_block(s.hypotheses.bias[0], s.hypotheses.scale[0])
 
 
@@ -94,8 +105,10 @@ def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mas
 
 
 def widen_by_motion(s: AttitudeState, seconds: float) -> None:
-    """Widen the biases in motion, which differ from those at rest, for the first seconds."""
+    """Widen the biases in motion, which differ from those at rest, for the first seconds. A slow turn is no motion."""
     h = s.hypotheses
+    if left_gradually(s):
+        return
     is_moving = h.knows_bias & (h.moving_s < MAX_RAMP_S) & ((h.regime != REST) | (s.segment.blocks == 0))
     h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / MAX_RAMP_S * np.eye(3)
 
@@ -130,6 +143,8 @@ def publish(s: AttitudeState) -> None:
     axis = np.array(heading_axis(s.q))
     x, y, z = np.degrees(m.bias).tolist()
     s.bias_xyz_dps = (x, y, z)
+    x, y, z = np.degrees(np.sqrt(np.maximum(np.diagonal(m.bias_cov), 0.0))).tolist()
+    s.bias_sigma_xyz_dps = (x, y, z)
     s.bias_dps = degrees(float(axis @ m.bias))
     s.bias_sigma_dps = degrees(sqrt(max(float(axis @ m.bias_cov @ axis), 0.0)))
     s.rest_probability = float(h.weight[h.regime == REST].sum()) if s.segment.blocks > 0 else 0.0

@@ -6,9 +6,10 @@ Vehicles do not return. Their velocity counts less, and hardly at all about the 
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, STATES, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import measure, measure_in_part
-from gyrodrift.filters.attitude.model import RAD, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.values.arrays import Floats
 
 START_SPEED = 0.5

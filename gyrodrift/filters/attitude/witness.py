@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.evidence import JUMP
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.rests import RestCandidate, RestKind, last_window
 from gyrodrift.filters.contradictions import FIT_SIGMAS, MOST_FIRST, count_contradiction, count_fit
 

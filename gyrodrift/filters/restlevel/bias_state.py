@@ -134,6 +134,10 @@ class Witness:
     since_s: float = 0.0
 
 
+MAX_REMEMBERED = 2
+"""Largest number of remembered biases: of the last rest, and of a start at a similar temperature. By definition."""
+
+
 @dataclass(slots=True)
 class RememberedBias:
     """Remembered bias as an initial hypothesis: probability, mean, deg/s, and variance, (deg/s)²."""
@@ -220,3 +224,30 @@ class TempLine:
     covariance: float = 0.0
     level_c: float = 0.0
     level_s: float = 0.0
+
+
+def remembered_slots() -> list[RememberedBias]:
+    """Slots without a remembered bias."""
+    return [RememberedBias() for _ in range(MAX_REMEMBERED)]
+
+
+@dataclass(slots=True)
+class AxisKnowledge:
+    """Knowledge of an axis: of earlier runs, and of the sure rests of this one.
+
+    remembered
+        Remembered biases.
+    line
+        Bias against temperature.
+    sure
+        Sure rests.
+    """
+
+    remembered: list[RememberedBias] = field(default_factory=remembered_slots)
+    line: TempLine = field(default_factory=TempLine)
+    sure: SureRest = field(default_factory=SureRest)
+
+
+def level_axes() -> list[AxisKnowledge]:
+    """Two axes of which nothing is known."""
+    return [AxisKnowledge(), AxisKnowledge()]

@@ -245,7 +245,7 @@ def zero_velocity_update(
         kalman_update(h, mean_dps, mean_var, ramp_var)
         if not is_vibrating:
             h.moving_s = 0.0
-        follow_slide(c, h, seconds)
+        follow_slide(c.rate_ramp_dps_s, h, seconds)
     normalise(s)
     if not is_vibrating:
         learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)

@@ -5,20 +5,25 @@ Only sure rests are remembered. A memory gives one or two biases to begin with, 
 - the bias of the last sure rest, with the drift of the sensor since then and the change by temperature;
 - the bias of the start that is most similar in temperature, because a sensor starts similarly at the same temperature.
 
-The drift factor of the sensor is learned from its starts. It compares the squared error of the remembered bias with its
+A memory of one axis or of three has these for each axis. The biases of the axes change together: by the same age and
+temperature, and by the same chance that the sensor is another one.
+
+The drift factor of an axis is learned from its starts. It compares the squared error of the remembered bias with its
 expected variance. The ratio is clipped at nine, so that an outlier counts little.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
 from math import exp
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le
 
 from gyrodrift.filters.beliefs import PARTS
-from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR
+from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR, AxisKnowledge
 from gyrodrift.filters.restlevel.kalman import gaussian_logpdf
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.rate_state import NoiseModel
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
 
 REMEMBERED_WEIGHT = 0.95
@@ -64,8 +69,8 @@ class RememberedStart:
 
 
 @dataclass(frozen=True, slots=True)
-class RestlevelMemory:
-    """Memory of a sensor.
+class AxisMemory:
+    """Memory of an axis.
 
     bias_dps, bias_sigma_dps, temp_c
         Last sure rest: bias and its sigma, deg/s, and temperature, °C; None if the temperature is unknown.
@@ -78,7 +83,7 @@ class RestlevelMemory:
     first
         Starts of the sensor, the latest first.
     slope_dps_c, slope_sigma_dps_c
-        Slope of its bias against temperature and its standard deviation, deg/s per °C.
+        Slope of the bias against temperature and its standard deviation, deg/s per °C.
     """
 
     bias_dps: Dps
@@ -97,6 +102,19 @@ class RestlevelMemory:
     slope_sigma_dps_c: Size = NEW_SLOPE_VAR**0.5
 
 
+@dataclass(frozen=True, slots=True)
+class RestlevelMemory(AxisMemory):
+    """Memory of a sensor: that of its z axis, and of x and y by a filter of three axes."""
+
+    x: AxisMemory | None = None
+    y: AxisMemory | None = None
+
+    @property
+    def axes(self) -> tuple[AxisMemory, ...]:
+        """Memories of z, or of z, x and y."""
+        return (self,) if self.x is None or self.y is None else (self, self.x, self.y)
+
+
 def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
     """Memory after a run; None without a sure rest.
 
@@ -107,19 +125,53 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
     before, age_s
         Memory at the beginning of the run, and its age now, s.
     """
-    sure, noise = state.sure, state.noise
-    if sure.rests == 0:
+    return learned_of((state,), state.noise, state.lived_s, before, age_s)
+
+
+def learned_of(
+    axes: Sequence[RestlevelState | AxisKnowledge],
+    noise: NoiseModel,
+    lived_s: float,
+    before: RestlevelMemory | None,
+    age_s: float,
+) -> RestlevelMemory | None:
+    """Memory of one axis or of three after a run; None without a sure rest.
+
+    Parameters
+    ----------
+    axes
+        What was learned of z, or of z, x and y of the sensor.
+    noise, lived_s
+        Noise at rest, and length of the run, s.
+    before, age_s
+        Memory at the beginning of the run, and its age now, s.
+    """
+    if axes[0].sure.rests == 0:
         return None
-    first_age_s = state.lived_s - sure.first_s
+    kept = () if before is None else before.axes
+    z, *level = (
+        _learned_axis(axis, noise, lived_s, kept[index] if index < len(kept) else None, age_s)
+        for index, axis in enumerate(axes)
+    )
+    values: dict[str, Any] = {entry.name: getattr(z, entry.name) for entry in fields(z)}
+    return RestlevelMemory(**values | dict(zip("xy", level, strict=False)))
+
+
+def _learned_axis(
+    axis: RestlevelState | AxisKnowledge, noise: NoiseModel, lived_s: float, before: AxisMemory | None, age_s: float
+) -> AxisMemory:
+    """Memory of an axis after a run."""
+    sure = axis.sure
+    first_age_s = lived_s - sure.first_s
     start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _known_temp(sure.first_c), first_age_s)
     kept = () if before is None else before.first[: STARTS_KEPT - 1]
     older = [RememberedStart(rest.bias_dps, rest.bias_sigma_dps, rest.temp_c, rest.age_s + age_s) for rest in kept]
-    factor, starts = _drift_factor(state, before)
-    return RestlevelMemory(
+    factor, starts = _drift_factor(axis, before)
+    return AxisMemory(
         bias_dps=sure.bias_dps,
         bias_sigma_dps=max(0.0, sure.bias_var) ** 0.5,
         temp_c=_known_temp(sure.temp_c),
-        age_s=max(0.0, state.lived_s - sure.t_s),
+        age_s=max(0.0, lived_s - sure.t_s),
         sample_var=noise.sample_var,
         angle_walk_var=noise.angle_walk_var,
         flicker_var=noise.flicker_var,
@@ -128,23 +180,29 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
         drift_factor=factor,
         starts=starts,
         first=(start, *older),
-        slope_dps_c=state.line.slope_dps_c,
-        slope_sigma_dps_c=max(0.0, state.line.slope_var) ** 0.5,
+        slope_dps_c=axis.line.slope_dps_c,
+        slope_sigma_dps_c=max(0.0, axis.line.slope_var) ** 0.5,
     )
 
 
 def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None) -> RestlevelState:
-    """New state with a memory that was made `age_s` ago; `temp_c` is the present temperature of the sensor, °C."""
+    """New state with a memory that was made `age_s` ago; `temp_c` is the present temperature of the sensor, °C.
+
+    It is the state of one axis, which a filter of three axes goes on from.
+    """
     state = RestlevelState()
-    state.line.slope_dps_c, state.line.slope_var = memory.slope_dps_c, memory.slope_sigma_dps_c**2
     is_in_range = temp_c is not None and COLDEST_C < temp_c < WARMEST_C  # a device may send any number
-    biases = _expected_biases(params, memory, age_s, temp_c if is_in_range else None)
-    precision = sum(1.0 / variance for _, variance in biases)
+    biases = [_expected_biases(params, axis, age_s, temp_c if is_in_range else None) for axis in memory.axes]
+    variances = [sum(variance for _, variance in slot) for slot in zip(*biases, strict=False)]
+    precision = sum(1.0 / variance for variance in variances)
     restart_probability = _restart_probability(age_s + memory.age_s)
     weight = REMEMBERED_WEIGHT * (1.0 - restart_probability * _self_nulling(params, memory))
-    for slot, (bias_dps, variance) in zip(state.remembered, biases, strict=False):
-        slot.weight = weight / variance / precision
-        slot.bias_dps, slot.bias_var = bias_dps, variance
+    axes: tuple[RestlevelState | AxisKnowledge, ...] = (state, *state.level)
+    for axis, of_axis, expected in zip(axes, memory.axes, biases, strict=False):
+        axis.line.slope_dps_c, axis.line.slope_var = of_axis.slope_dps_c, of_axis.slope_sigma_dps_c**2
+        for slot, (bias_dps, variance), total_var in zip(axis.remembered, expected, variances, strict=False):
+            slot.weight = weight / total_var / precision
+            slot.bias_dps, slot.bias_var = bias_dps, variance
     recalled = state.recalled
     recalled.period_s, recalled.sample_var = memory.period_s, memory.sample_var
     recalled.angle_walk_var, recalled.flicker_var = memory.angle_walk_var, memory.flicker_var
@@ -158,21 +216,23 @@ def _restart_probability(age_s: float) -> float:
 
 
 def _self_nulling(params: RestlevelParams, memory: RestlevelMemory) -> float:
-    """Probability that the sensor subtracts its own bias at each start, from the size of the remembered bias.
+    """Probability that the sensor subtracts its own bias at each start, from the size of the remembered biases.
 
     The bias of such a sensor after the next start is unrelated to the remembered bias.
     """
     if params.turn_on_dps == 0.0:
         return 0.0
-    turn_on_var, measured_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
+    measured = [(axis.bias_dps, axis.bias_sigma_dps**2 + LEAST_VAR) for axis in memory.axes]
+    turn_on_var = params.turn_on_dps**2
     densities = [
-        share * exp(gaussian_logpdf(memory.bias_dps, wider**2 * turn_on_var + measured_var)) for share, wider in PARTS
+        share * exp(sum(gaussian_logpdf(bias_dps, wider**2 * turn_on_var + var) for bias_dps, var in measured))
+        for share, wider in PARTS
     ]
     return densities[0] / max(sum(densities), LEAST_VAR)
 
 
 def _expected_biases(
-    params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None
+    params: RestlevelParams, memory: AxisMemory, age_s: float, temp_c: float | None
 ) -> list[tuple[float, float]]:
     """Biases to begin with, deg/s, and their variances, (deg/s)²: of the last sure rest, and of the most similar start.
 
@@ -194,7 +254,7 @@ def _expected_biases(
     return biases
 
 
-def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, restart_probability: float) -> float:
+def _drift_var(params: RestlevelParams, memory: AxisMemory, age_s: float, restart_probability: float) -> float:
     """Variance of the change of a bias within an age, (deg/s)²: by its random walk, and by a restart of the sensor.
 
     The walk is limited to the variance of the turn-on bias.
@@ -204,7 +264,7 @@ def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, r
     return LEAST_VAR + memory.drift_factor * (walk_var + START_SHARE**2 * turn_on_var * restart_probability)
 
 
-def _temp_change(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -> tuple[float, float]:
+def _temp_change(memory: AxisMemory, then_c: float | None, now_c: float | None) -> tuple[float, float]:
     """Change of the bias by temperature, deg/s, and its variance, (deg/s)²; 0 if a temperature is unknown."""
     if then_c is None or now_c is None:
         return 0.0, 0.0
@@ -218,15 +278,15 @@ def _is_similar(then_c: float | None, now_c: float | None) -> bool:
     return then_c is None or now_c is None or abs(now_c - then_c) <= SIMILAR_START_C
 
 
-def _drift_factor(state: RestlevelState, before: RestlevelMemory | None) -> tuple[float, int]:
+def _drift_factor(axis: RestlevelState | AxisKnowledge, before: AxisMemory | None) -> tuple[float, int]:
     """Drift factor after this run, and its number of runs, from the first sure rest and the remembered bias."""
     if before is None:
         return 1.0, 0
-    expected = min(state.remembered, key=lambda slot: -slot.weight)
+    expected = min(axis.remembered, key=lambda slot: -slot.weight)
     if expected.weight == 0.0:
         return before.drift_factor, before.starts
-    variance = expected.bias_var + state.sure.first_dps_sigma**2
-    surprise = min((state.sure.first_dps - expected.bias_dps) ** 2 / variance, FACTOR_CLIP)
+    variance = expected.bias_var + axis.sure.first_dps_sigma**2
+    surprise = min((axis.sure.first_dps - expected.bias_dps) ** 2 / variance, FACTOR_CLIP)
     factor = before.drift_factor * (1.0 + (surprise - 1.0) / (before.starts + FACTOR_STARTS))
     return min(max(factor, LEAST_FACTOR), MOST_FACTOR), before.starts + 1
 
@@ -234,6 +294,11 @@ def _drift_factor(state: RestlevelState, before: RestlevelMemory | None) -> tupl
 def _known_temp(temp_c: float) -> float | None:
     """Temperature, °C; None if it is unknown."""
     return None if temp_c == UNKNOWN_C else temp_c
+
+
+def count_axes(memory: RestlevelMemory) -> int:
+    """Number of axes of a memory."""
+    return len(memory.axes)
 
 
 def knowledge(content: Any) -> RestlevelMemory:

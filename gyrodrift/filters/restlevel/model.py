@@ -9,6 +9,7 @@ from gyrodrift.filters.beliefs import MAX_HYPOTHESES
 from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.bias_state import (
     UNSAID_C,
+    AxisKnowledge,
     Hypothesis,
     MixtureMoments,
     RecalledNoise,
@@ -16,6 +17,8 @@ from gyrodrift.filters.restlevel.bias_state import (
     SureRest,
     TempLine,
     Witness,
+    level_axes,
+    remembered_slots,
 )
 from gyrodrift.filters.restlevel.rate_state import (
     BlockStats,
@@ -32,9 +35,6 @@ UNKNOWN_C = UNSAID_C
 
 COLDEST_C, WARMEST_C = -100.0, 200.0
 """Range of temperatures, °C. A value outside of it is ignored. Chosen: beyond the range of any part."""
-
-MAX_REMEMBERED = 2
-"""Largest number of remembered biases: of the last rest, and of a start at a similar temperature. By definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,10 +106,6 @@ class RestlevelCoefficients:
     scale_sigma: float
 
 
-def _remembered_slots() -> list[RememberedBias]:
-    return [RememberedBias() for _ in range(MAX_REMEMBERED)]
-
-
 def _free_slots() -> list[Hypothesis]:
     return [Hypothesis() for _ in range(2 * MAX_HYPOTHESES)]
 
@@ -150,6 +146,8 @@ class RestlevelState:
         External rest sensor.
     remembered, recalled, sure, line
         Remembered biases; remembered noise; sure rests; bias against temperature.
+    level
+        What a memory says of the x and y axes of the sensor. One axis carries it for a filter of three.
     block, noise, vibration, turns, wander, segment, ended, hypotheses, moments
         Present block; noise of the sensor; noise of noisier blocks; mean rates; agreement of levels; present
         constant-rate segment; last segment that has ended; Gaussian sum, and its moments at the beginning of the block.
@@ -180,10 +178,11 @@ class RestlevelState:
     turns: MeanTurns = field(default_factory=MeanTurns)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)
-    remembered: list[RememberedBias] = field(default_factory=_remembered_slots)
+    remembered: list[RememberedBias] = field(default_factory=remembered_slots)
     recalled: RecalledNoise = field(default_factory=RecalledNoise)
     sure: SureRest = field(default_factory=SureRest)
     line: TempLine = field(default_factory=TempLine)
+    level: list[AxisKnowledge] = field(default_factory=level_axes)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)
@@ -192,7 +191,11 @@ class RestlevelState:
     @property
     def temp_curve(self) -> dict[str, float] | None:
         """Bias against temperature for the status; None before the first measurement."""
-        line = self.line
-        if line.points == 0:
-            return None
-        return {"points": line.points, "slope_dps_c": line.slope_dps_c, "slope_sigma_dps_c": line.slope_var**0.5}
+        return curve(self.line.points, self.line.slope_dps_c, self.line.slope_var)
+
+
+def curve(points: int, slope_dps_c: float, slope_var: float) -> dict[str, float] | None:
+    """Bias against temperature for the status; None before the first measurement."""
+    if points == 0:
+        return None
+    return {"points": points, "slope_dps_c": slope_dps_c, "slope_sigma_dps_c": slope_var**0.5}

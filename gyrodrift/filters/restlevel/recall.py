@@ -5,6 +5,9 @@ sensor remain. Remembered noise is used from the first block on if the sample pe
 recognized at once, even without a rest at the start. A rest is sure if it is long and very probable.
 """
 
+from math import sqrt
+
+from gyrodrift.filters.restlevel.bias_state import SureRest
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 
 SURE_PROBABILITY = 0.95
@@ -36,17 +39,36 @@ def recall_noise(s: RestlevelState, seconds: float) -> None:
             noise.resolution_dps = recalled.resolution_dps
 
 
-def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> bool:  # noqa: FBT001 - compiled code takes none by name
-    """Store the bias if the present block belongs to a sure rest; return whether it does.
+def note_sure_rest(
+    sure: SureRest,
+    rest_probability: float,
+    bias_dps: float,
+    bias_var: float,
+    temp_c: float,
+    lived_s: float,
+    seconds: float,
+    is_certain: bool,  # noqa: FBT001 - compiled code takes none by name
+) -> bool:
+    """Store the bias of an axis if the present block belongs to a sure rest; return whether it does.
 
-    `is_certain` states that an external rest sensor confirms the rest.
+    Parameters
+    ----------
+    sure
+        Sure rests, which are changed.
+    rest_probability
+        Probability of rest.
+    bias_dps, bias_var, temp_c
+        Bias, deg/s, its variance, and temperature, °C.
+    lived_s, seconds
+        Time since the first sample, and length of the block, s.
+    is_certain
+        Whether an external rest sensor confirms the rest.
     """
-    sure = s.sure
-    if s.rest_probability < SURE_PROBABILITY:
+    if rest_probability < SURE_PROBABILITY:
         sure.seconds = 0.0
         return False
     if sure.seconds == 0.0:
-        sure.begin_dps, sure.begin_c = s.bias_dps, s.temp_c
+        sure.begin_dps, sure.begin_c = bias_dps, temp_c
     before_s = sure.seconds
     sure.seconds += seconds
     long_s = SURE_BY_WITNESS_S if is_certain else SURE_S
@@ -55,10 +77,9 @@ def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> bool:
     if before_s < long_s or sure.rests == 0:
         sure.rests += 1
     if sure.rests == 1 and not sure.has_first:
-        sure.has_first, sure.first_dps, sure.first_c, sure.first_s = True, sure.begin_dps, sure.begin_c, s.lived_s
-        sure.first_dps_sigma = s.bias_sigma_dps
-    sure.bias_dps, sure.bias_var, sure.t_s, sure.temp_c = s.bias_dps, s.moments.bias_var, s.lived_s, s.temp_c
-    sure.period_s = seconds / s.block.samples
+        sure.has_first, sure.first_dps, sure.first_c, sure.first_s = True, sure.begin_dps, sure.begin_c, lived_s
+        sure.first_dps_sigma = sqrt(max(0.0, bias_var))
+    sure.bias_dps, sure.bias_var, sure.t_s, sure.temp_c = bias_dps, bias_var, lived_s, temp_c
     return True
 
 

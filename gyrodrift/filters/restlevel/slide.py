@@ -10,8 +10,8 @@ uncertainty.
 
 from math import sqrt
 
+from gyrodrift.filters.limits import SAME_TIME_S
 from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
-from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 
 MARK_S = 4.0
 """Time between two steps of the bias of a rest, s. Chosen: at 2 or 3 s, more simulated drives had harm
@@ -34,14 +34,14 @@ def mark_safe(h: Hypothesis) -> None:
     h.has_been_flat = False
 
 
-def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> None:
-    """Update the slide of a rest after the zero-velocity update of a block."""
+def follow_slide(ramp_dps_s: float, h: Hypothesis, seconds: float) -> None:
+    """Update the slide of a rest after the zero-velocity update of a block; `ramp_dps_s` is the fastest drift."""
     recent, safe = h.recent, h.safe
     recent.ago_s += seconds
     safe.ago_s += seconds
-    if recent.ago_s < MARK_S:
+    if recent.ago_s < MARK_S - SAME_TIME_S:
         return
-    least_dps = c.rate_ramp_dps_s * FLAT_S
+    least_dps = ramp_dps_s * FLAT_S
     step_dps = h.bias_dps - recent.bias_dps
     before_dps = h.slide_dps
     h.slide_dps = _towards_zero(before_dps + step_dps, least_dps) if h.has_been_flat else 0.0

@@ -6,7 +6,7 @@ Batch versions compile this source, and a test compares their bits with it.
 from math import nan, sqrt
 
 from gyrodrift.filters.gaps import count_correction, longest_step_s
-from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
+from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S, SAME_TIME_S
 from gyrodrift.filters.restlevel.frozen import detect_freeze, widen_yaw
 from gyrodrift.filters.restlevel.gap import pass_gap
 from gyrodrift.filters.restlevel.hypotheses import (
@@ -51,10 +51,6 @@ LEAST_VAR = 1e-24
 MIN_BLOCK_SAMPLES = 6
 """Smallest number of samples in a block. Chosen: the variance of fewer samples is too uncertain, and twelve had larger
 errors (docs/blind-alleys.md)."""
-
-SAME_TIME_S = 1e-6
-"""Difference of two times that are the same, s. Chosen: the last digits of a time must not decide where a block
-ends."""
 
 TURN_DEG = 30.0
 """Angle of a turn, deg. Errors of scale and cross axes are equal within a turn, and independent between turns.

@@ -8,7 +8,7 @@ the random walk of the bias adds a variance with time. A jump of the bias hardly
 
 from math import floor
 
-from gyrodrift.filters.restlevel.bias_state import TempLine
+from gyrodrift.filters.restlevel.bias_state import SureRest, TempLine
 from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 
@@ -28,27 +28,55 @@ JUMP_SIGMAS = 3.0
 
 def follow_temperature(s: RestlevelState, seconds: float) -> None:
     """Move the bias of hypotheses in motion along the line; `seconds` is the length of the block, s."""
-    line = s.line
     if s.temp_c == UNKNOWN_C:
         return
-    before_c = s.temp_c if line.temp_c == UNKNOWN_C else line.temp_c
-    line.temp_c = before_c + (s.temp_c - before_c) * min(1.0, seconds / SMOOTH_S)
-    if s.rest_probability > 0.5 or line.rest_c == UNKNOWN_C:
-        line.rest_c = before_c
-    step_c, away_c, was_away_c = line.temp_c - before_c, line.temp_c - line.rest_c, before_c - line.rest_c
-    more_var = line.slope_var * max(0.0, away_c * away_c - was_away_c * was_away_c) + HYSTERESIS_VAR_C * abs(step_c)
+    step_dps, more_var = follow_line(s.line, s.temp_c, s.rest_probability, seconds)
     for h in s.hypotheses:
         if h.weight > 0.0 and h.knows_bias and not h.is_at_rest:
-            h.bias_dps += line.slope_dps_c * step_c
+            h.bias_dps += step_dps
             h.bias_var += more_var
 
 
+def follow_line(line: TempLine, temp_c: float, rest_probability: float, seconds: float) -> tuple[float, float]:
+    """Follow the temperature over a block.
+
+    Parameters
+    ----------
+    line
+        Bias against temperature, which is changed.
+    temp_c
+        Temperature at the end of the block, °C.
+    rest_probability, seconds
+        Probability of rest at its beginning, and its length, s.
+
+    Returns
+    -------
+    tuple of float
+        Change of a bias in motion, deg/s, and the variance that it gains, (deg/s)².
+    """
+    before_c = temp_c if line.temp_c == UNKNOWN_C else line.temp_c
+    line.temp_c = before_c + (temp_c - before_c) * min(1.0, seconds / SMOOTH_S)
+    if rest_probability > 0.5 or line.rest_c == UNKNOWN_C:
+        line.rest_c = before_c
+    step_c, away_c, was_away_c = line.temp_c - before_c, line.temp_c - line.rest_c, before_c - line.rest_c
+    more_var = line.slope_var * max(0.0, away_c * away_c - was_away_c * was_away_c) + HYSTERESIS_VAR_C * abs(step_c)
+    return line.slope_dps_c * step_c, more_var
+
+
 def learn_when_sure(c: RestlevelCoefficients, s: RestlevelState, seconds: float, is_certain: bool) -> None:  # noqa: FBT001 - compiled code takes none by name
-    """Measure the level every ten seconds of a sure rest; `is_certain` states that a rest sensor confirms the rest."""
-    if not note_sure_rest(s, seconds, is_certain) or s.line.temp_c == UNKNOWN_C:
+    """Learn from a sure rest; `is_certain` states that a rest sensor confirms the rest."""
+    bias_var, sure = s.moments.bias_var, s.sure
+    if note_sure_rest(sure, s.rest_probability, s.bias_dps, bias_var, s.temp_c, s.lived_s, seconds, is_certain):
+        sure.period_s = seconds / s.block.samples
+        learn_level(s.line, sure, seconds, c.rate_walk_var)
+
+
+def learn_level(line: TempLine, sure: SureRest, seconds: float, rate_walk_var: float) -> None:
+    """Measure the level every ten seconds of a sure rest; `seconds` is the length of its last block, s."""
+    if line.temp_c == UNKNOWN_C:
         return
-    if floor(s.sure.seconds / POINT_S) > floor((s.sure.seconds - seconds) / POINT_S):
-        measure_level(s.line, s.bias_dps, s.moments.bias_var, s.lived_s, c.rate_walk_var)
+    if floor(sure.seconds / POINT_S) > floor((sure.seconds - seconds) / POINT_S):
+        measure_level(line, sure.bias_dps, sure.bias_var, sure.t_s, rate_walk_var)
 
 
 def measure_level(line: TempLine, bias_dps: float, bias_var: float, t_s: float, rate_walk_var: float) -> None:

@@ -160,3 +160,10 @@ def test_a_recording_of_two_samples_a_second_lacks_no_motion() -> None:
     path, lacking = quick.completed(smooth, rate_dps)
     assert np.array_equal(path, smooth)
     assert not quick.drawn(rng, lacking).any()
+
+
+def test_a_rate_without_noise_has_a_spectrum() -> None:
+    """2000 samples of 10 ms: the least powers give columns of very different sizes."""
+    moves = np.ones(2000, dtype=np.bool_)
+    quick = quick_motion_of(np.zeros(2000), ~moves, moves, 0.01, GyroModel(0.001, stated_noise_dps=0.01))
+    assert not quick.drawn(np.random.default_rng(1), np.zeros(2000)).any()

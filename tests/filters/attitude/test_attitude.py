@@ -6,9 +6,10 @@ from random import Random
 import numpy as np
 import pytest
 
+from gyrodrift.filters.attitude.block import RAD
 from gyrodrift.filters.attitude.hypotheses import BIAS as BIAS_STATES
 from gyrodrift.filters.attitude.hypotheses import REST, first_hypothesis
-from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState, coefficients
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
 from gyrodrift.filters.attitude.regimes import branch
 from gyrodrift.filters.attitude.rests import LONG_NOISY, NOISY, QUIET, RestCandidate, RestKind
 from gyrodrift.filters.attitude.step import step

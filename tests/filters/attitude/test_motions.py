@@ -12,6 +12,7 @@ from support import quick
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 
 @cache
@@ -67,3 +68,27 @@ def test_a_fast_even_turn_is_never_a_bias(rest_s: float) -> None:
         before_deg = s.yaw_deg
     assert s.yaw_deg == pytest.approx(70.0 * (15.0 - rest_s), abs=2.0)
     assert s.rest_probability < 0.01
+
+
+def yaw_after_level_turn_deg(rates_dps: Floats, bias_dps: Floats) -> float:
+    """Yaw after a level turn with true rates and biases about the vertical, 25 a second."""
+    rng, c, s = np.random.default_rng(5), coefficients(RestlevelParams()), AttitudeState()
+    measured = rng.normal((0.4, -0.3, 0.6, 0.0, 0.0, 9.81), (0.05,) * 3 + (0.03,) * 3, (len(rates_dps), 6))
+    measured[:, 2] += rates_dps + bias_dps
+    for i, row in enumerate(measured.tolist()):
+        step(c, s, i / 25.0, *row)
+    return s.yaw_deg
+
+
+@pytest.mark.parametrize("onset_s", [0.1, 5.0])
+def test_a_slow_level_turn_after_a_rest_is_no_bias(onset_s: float) -> None:
+    """After 10 s of rest the device turns at 0.25 deg/s, where gravity stands still as in a rest."""
+    rates_dps = 0.25 * np.clip((np.arange(1000) / 25.0 - 10.0) / onset_s, 0.0, 1.0)
+    yaw_deg = yaw_after_level_turn_deg(rates_dps, np.zeros(1000))
+    assert yaw_deg == pytest.approx(rates_dps.sum() / 25.0, abs=1.5)
+
+
+def test_a_bias_that_drifts_at_rest_is_learned() -> None:
+    """It warms up by 0.4 deg/s, at first by 0.007 deg/s², nearly twice as fast as `drift_dps_s`."""
+    bias_dps = 0.4 * (1.0 - np.exp(-np.arange(1000) / 1500.0))
+    assert yaw_after_level_turn_deg(np.zeros(1000), bias_dps) == pytest.approx(0.0, abs=1.0)

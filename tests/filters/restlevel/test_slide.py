@@ -20,7 +20,7 @@ def rest_of(biases_dps: Sequence[float], sigma_dps: float = 1e-6) -> Hypothesis:
     mark_safe(h)
     for number, dps in enumerate(biases_dps[1:], 2):
         h.bias_dps, h.bias_var = dps, number * sigma_dps**2
-        follow_slide(C, h, MARK_S)
+        follow_slide(C.rate_ramp_dps_s, h, MARK_S)
     return h
 
 

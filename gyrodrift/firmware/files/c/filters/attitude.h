@@ -15,6 +15,7 @@
 static inline int gd_attitude_init(gd_attitude *a, const gd_restlevel_params *params) {
   const gd_restlevel_params defaults = GD_RESTLEVEL_DEFAULTS;
   const int is_valid = params == 0 || gd_restlevel_params_are_valid(params);
+  int i;
   memset(a, 0, sizeof *a);
   a->c = gd_attitude_coefficients_of(params != 0 && is_valid ? params : &defaults);
   a->q[0] = 1;
@@ -25,6 +26,10 @@ static inline int gd_attitude_init(gd_attitude *a, const gd_restlevel_params *pa
   a->witness.is_believed = 1;
   a->longest_step_s = GD_FIRST_STEP_S;
   a->motion.mean_force[2] = GD_ATTITUDE_GRAVITY;
+  a->temp_c = GD_UNKNOWN_C;
+  for (i = 0; i < 3; i++) {
+    gd_begin_line(&a->line[i]);
+  }
   return is_valid;
 }
 
@@ -44,19 +49,18 @@ static inline int gd_attitude_accepts(gd_attitude *a, double t_s, double *dt_s, 
 }
 
 /* Takes a sample: device time in s, rates in deg/s, specific force in m/s^2 (NaN: missing). `still` is 1 at rest and 0
-   in motion by an external sensor; `temp_c` has no effect so far. Both are NaN if unknown.
+   in motion by an external sensor; `temp_c` is the temperature of the sensor. Both are NaN if unknown.
 
    Returns 0 if the sample is refused: time stands still or goes back, or time or a rate is not finite or out of range.
 */
 static inline int gd_attitude_update_with(gd_attitude *a, double t_s, const gd_real gyro_dps[3],
                                           const gd_real accel_mps2[3], gd_real still, gd_real temp_c) {
   double dt_s = t_s - a->t_s;
-  (void)temp_c;
   if (!gd_attitude_accepts(a, t_s, &dt_s, gyro_dps)) {
     return 0;
   }
   gd_attitude_take(a, t_s, dt_s < GD_ATTITUDE_LONGEST_GAP_S ? dt_s : GD_ATTITUDE_LONGEST_GAP_S, gyro_dps, accel_mps2,
-                   still);
+                   still, temp_c);
   return 1;
 }
 
@@ -72,7 +76,6 @@ static inline int gd_attitude_update_us_with(gd_attitude *a, uint32_t t_us, cons
   const double step_s = a->samples > 0 ? gd_step_of_us(t_us, a->t_us, &a->suspect_us) : 0.0;
   const int waits = step_s < 0.0 && !(a->longest_step_s < GD_TOLD_GAP);
   double dt_s = waits ? GD_LEAST_STEP_S : step_s;
-  (void)temp_c;
   if (!gd_attitude_accepts(a, 0.0, &dt_s, gyro_dps)) {
     return 0;
   }
@@ -82,13 +85,36 @@ static inline int gd_attitude_update_us_with(gd_attitude *a, uint32_t t_us, cons
     return 1;
   }
   a->t_us = a->suspect_us = t_us;
-  gd_attitude_take(a, a->t_s + dt_s, dt_s, gyro_dps, accel_mps2, still);
+  gd_attitude_take(a, a->t_s + dt_s, dt_s, gyro_dps, accel_mps2, still, temp_c);
   return 1;
 }
 
 static inline int gd_attitude_update_us(gd_attitude *a, uint32_t t_us, const gd_real gyro_dps[3],
                                         const gd_real accel_mps2[3]) {
   return gd_attitude_update_us_with(a, t_us, gyro_dps, accel_mps2, (gd_real)NAN, (gd_real)NAN);
+}
+
+/* Begins with the biases of an earlier run, kept in EEPROM or flash: bias_xyz_dps, bias_sigma_xyz_dps, and their age in
+   s. Call it after init, before the first sample. Where the age is unknown, a day is a good guess.
+
+   Returns 0 if a value is not finite or out of its limits, or if there was a sample. */
+static inline int gd_attitude_remember(gd_attitude *a, const gd_real bias_xyz_dps[3],
+                                       const gd_real bias_sigma_xyz_dps[3], gd_real age_s) {
+  const gd_real unit = GD_ATTITUDE_RAD * GD_ATTITUDE_RAD, spread = GD_ATTITUDE_SPREAD_OF_BIAS;
+  const gd_real turn_on_var = a->c.bias_sigma * a->c.bias_sigma / (spread * spread * unit);
+  const gd_real walk_var = a->c.walk_var / (GD_ATTITUDE_BIAS_WALK * GD_ATTITUDE_BIAS_WALK * unit);
+  int k;
+  for (k = 0; k < 3; k++) {
+    if (!gd_is_memory(bias_xyz_dps[k], bias_sigma_xyz_dps[k], age_s, GD_R(GD_MOST_S)) || a->samples > 0) {
+      return 0;
+    }
+  }
+  for (k = 0; k < 3; k++) {
+    a->remembered.bias_dps[k] = bias_xyz_dps[k];
+    a->remembered.bias_var[k] = gd_remembered_var(bias_sigma_xyz_dps[k], age_s, walk_var, turn_on_var);
+  }
+  a->remembered.weight = gd_remembered_weight(bias_xyz_dps, bias_sigma_xyz_dps, 3, age_s, turn_on_var);
+  return 1;
 }
 
 /* Takes a heading of another sensor at the end of the block, deg, in the frame of `yaw_deg`. `period_deg` is 360, or 90

@@ -23,7 +23,7 @@
 /* Error of the bias that its covariance does not contain, deg/s, where a rest is tested. */
 #define GD_ATTITUDE_MODEL_ERROR GD_R(0.1)
 /* Change of a bias within a rest that its covariance does not contain, deg/s. */
-#define GD_ATTITUDE_SAME_RATE GD_R(0.01)
+#define GD_ATTITUDE_SAME_RATE GD_R(0.005)
 /* Logarithms of 1e-300, the smallest density, and of 2 pi. */
 #define GD_ATTITUDE_LOG_LEAST GD_R(-690.7755278982137)
 #define GD_ATTITUDE_LOG_TURN GD_R(1.8378770664093453)

@@ -35,6 +35,7 @@ static inline void gd_attitude_reopen(gd_attitude *a) {
     }
   }
   a->windows.total = 0;
+  a->remembers = 0;
 }
 
 /* Goes over a gap to a sample that comes `step_s` later with these rates; returns whether the bias was reopened. */
@@ -55,6 +56,7 @@ static inline int gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_r
     }
   }
   gd_attitude_forget_velocity(a);
+  a->lived_s += step_s;
   a->windows.blocks = 0;
   memset(&a->segment, 0, sizeof a->segment);
   memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);

@@ -47,6 +47,7 @@ static inline void gd_attitude_begin_job(gd_attitude *a) {
   job->waits = job->is_divided;
   job->is_divided = 0;
   gd_attitude_integrals_of(&job->block, &a->block);
+  a->lived_s += (double)job->block.seconds;
   job->is_blind = a->block.is_clipped || !gd_are_finite(job->block.velocity);
   job->heading_deg = a->heading_deg;
   if (!job->is_at_gap) {
@@ -66,6 +67,7 @@ static inline void gd_attitude_begin_job(gd_attitude *a) {
 /* Widen the covariances, and level the attitude at the start. */
 static inline void gd_attitude_widen_all(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
+  gd_attitude_follow_temperature(a, job->block.seconds);
   gd_attitude_widen_by_tilt(a);
   gd_attitude_widen_by_motion(a, job->block.seconds);
   if (job->is_blind) {
@@ -89,14 +91,17 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
   if (a->block.moving > 0) {
     a->windows.blocks = 0;
   }
+  job->is_repeated = job->was_brief = 0;
   job->is_certain = gd_attitude_certain_rest(m, a) != 0;
   job->is_found = job->is_certain || gd_attitude_find_rest(m, &a->windows, a->c.limits, is_resting);
   goes_on = job->is_found && gd_attitude_continues(a, m);
   if (job->is_found && !job->is_certain && a->segment.blocks > 0 && !goes_on) {
-    a->windows.blocks = 1; /* the next window has blocks of the new level alone */
+    gd_attitude_end_level(a);
+    job->is_found = 0;
+  } else if (job->is_found && !job->is_certain && a->segment.blocks == 0 && gd_attitude_slopes(a, m)) {
     job->is_found = 0;
   }
-  job->is_continued = goes_on != 0;
+  job->is_continued = goes_on && job->is_found;
   gd_attitude_go_to(job, GD_ATTITUDE_LEARN);
   if (!job->is_found) {
     gd_attitude_end_segment(a);
@@ -111,12 +116,19 @@ static inline void gd_attitude_find_candidate(gd_attitude *a) {
 /* Learn from the candidate once the hypotheses are updated by it. */
 static inline void gd_attitude_learn(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
+  if (job->was_brief) {
+    gd_attitude_begin_slide(a);
+  }
+  if (job->is_repeated) {
+    gd_attitude_follow_bias(a, (double)GD_ATTITUDE_UPDATE_BLOCKS * a->c.block_s);
+  }
   if (job->is_certain) {
     gd_attitude_keep_rests(&a->sum);
   }
   if (job->is_found && a->rest_probability > GD_MAJORITY) {
     gd_attitude_learn_noise(a, &job->candidate);
   }
+  gd_attitude_drop_wrong_memory(a);
   gd_attitude_go_to(job, a->aid.variance > GD_R(0.0) ? GD_ATTITUDE_AID : GD_ATTITUDE_PUBLISH);
 }
 
@@ -129,8 +141,9 @@ static inline void gd_attitude_count_correction(gd_attitude *a) {
   }
 }
 
-/* Counts a sample and the report of a rest sensor with it. */
-static inline void gd_attitude_note_sample(gd_attitude *a, gd_real still) {
+/* Counts a sample and the report of a rest sensor with it, and takes its temperature. */
+static inline void gd_attitude_note_sample(gd_attitude *a, gd_real still, gd_real temp_c) {
+  a->temp_c = gd_is_temperature(temp_c) ? temp_c : a->temp_c;
   gd_count(&a->samples);
   a->block.still += still >= 1 && still <= 1;
   a->block.moving += still < 1 || still > 1;
@@ -151,6 +164,7 @@ static inline void gd_attitude_finish(gd_attitude *a) {
     }
     gd_attitude_count_turns(a);
     gd_attitude_publish(a);
+    gd_attitude_learn_when_sure(a, job->block.seconds);
     gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
   }
   if (!job->is_at_gap) {

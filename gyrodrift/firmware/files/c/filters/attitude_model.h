@@ -4,10 +4,12 @@
 
 #include "aid.h"
 #include "beliefs.h"
+#include "bias_line.h"
 #include "contradictions.h"
 #include "gaps.h"
 #include "parameters.h"
 #include "real.h"
+#include "restlevel_bias_state.h"
 
 /* Hypotheses that are kept: 6 as in Python. Fewer save RAM (about 2 KB each in float, as each may branch into two) and
    lose the less probable of several explanations of a start without a clear rest. */
@@ -144,6 +146,12 @@ typedef struct {
   int32_t ago;     /* blocks since its end */
   gd_real seconds; /* time since the candidate was found */
   gd_real gyro[3]; /* mean rates where it was found, rad/s */
+  gd_real up[3];   /* vertical in the sensor where it was found */
+  gd_real level;   /* mean rate about the vertical before the newest blocks, rad/s */
+  gd_real undone;  /* change of the biases about the vertical at a gradual end, rad/s */
+  gd_rl_hypothesis rest; /* most probable rest, about the vertical: its bias, deg/s, and the slide of that bias */
+  int32_t level_blocks;  /* blocks in a row that have its rate */
+  uint8_t ended_gradually; /* the rate left it slowly */
 } gd_attitude_segment;
 
 /* External rest sensor. */
@@ -163,6 +171,12 @@ typedef struct {
   gd_real mean_up[3];                  /* mean vertical in the sensor */
   gd_real rest_up[3], moved_var;       /* vertical at the last rest, and largest squared distance from it since */
 } gd_attitude_motion;
+
+/* Biases of an earlier run: their probability, 0 without any, deg/s and (deg/s)^2. */
+typedef struct {
+  gd_real weight;
+  gd_real bias_dps[3], bias_var[3];
+} gd_attitude_remembered;
 
 /* Length of a block, s. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python: so the
    window is rounded to whole microseconds. */

@@ -51,8 +51,9 @@ static inline void gd_attitude_do_next_hypothesis(gd_attitude *a) {
 static inline void gd_attitude_do_second_half(gd_attitude *a) {
   gd_attitude_job *job = &a->job;
   gd_attitude_hypothesis *h = gd_attitude_at(a, job->index - 1);
+  const gd_real noise_var = gd_max(GD_ATTITUDE_GYRO_NOISE * GD_ATTITUDE_GYRO_NOISE, a->noise_var);
   if (job->stage == GD_ATTITUDE_CARRY) {
-    gd_attitude_predict_covariance(h->cov, &job->transition, &job->block, a->c.walk_var, a->noise_var);
+    gd_attitude_predict_covariance(h->cov, &job->transition, &job->block, a->c.walk_var, noise_var);
     job->stage = GD_ATTITUDE_PREDICT;
   } else {
     gd_attitude_measure_standing(h, job->error, &job->candidate);
@@ -85,7 +86,7 @@ static inline void gd_attitude_end_gap(gd_attitude *a) {
   gd_attitude_publish(a);
   gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
   gd_attitude_count_correction(a);
-  gd_attitude_note_sample(a, a->job.still);
+  gd_attitude_note_sample(a, a->job.still, a->job.temp_c);
 }
 
 /* Does the next portion. */

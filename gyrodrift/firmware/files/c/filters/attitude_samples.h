@@ -95,6 +95,7 @@ static inline int gd_attitude_begin_gap(gd_attitude *a, const gd_attitude_sample
   }
   job->waits = job->is_divided;
   job->still = x->still;
+  job->temp_c = x->temp_c;
   if (gd_attitude_pass_gap(a, x->dt_s, x->gyro)) {
     gd_attitude_begin_merge(a, GD_ATTITUDE_REOPEN);
   } else {
@@ -123,7 +124,7 @@ static inline int gd_attitude_start(gd_attitude *a, const gd_attitude_sample *x)
   } else {
     gd_attitude_turn(a, x->dt_s, x->gyro, before);
   }
-  gd_attitude_note_sample(a, x->still);
+  gd_attitude_note_sample(a, x->still, x->temp_c);
   if (a->block.seconds >= a->c.block_s - 1e-9 && a->block.samples >= 2) {
     a->longest_step_s = gd_longest_step_s(a->block.seconds / (double)a->block.samples);
     gd_attitude_begin_job(a);
@@ -181,7 +182,7 @@ static inline void gd_attitude_guess(gd_attitude *a) {
 
 /* Take an accepted sample. It waits if the last block is still worked on. */
 static inline void gd_attitude_take(gd_attitude *a, double t_s, double dt_s, const gd_real gyro[3],
-                                    const gd_real accel[3], gd_real still) {
+                                    const gd_real accel[3], gd_real still, gd_real temp_c) {
   gd_attitude_job *job = &a->job;
   gd_attitude_sample *x;
   a->correction_deg = 0;
@@ -196,6 +197,7 @@ static inline void gd_attitude_take(gd_attitude *a, double t_s, double dt_s, con
   memcpy(x->gyro, gyro, sizeof x->gyro);
   memcpy(x->accel, accel, sizeof x->accel);
   x->still = still;
+  x->temp_c = temp_c;
   if (job->queued == 1) {
     gd_attitude_take_waiting(a);
   }

@@ -2,8 +2,7 @@
 #ifndef GD_ATTITUDE_SEGMENTS_H
 #define GD_ATTITUDE_SEGMENTS_H
 
-#include "attitude_mixture.h"
-#include "attitude_regimes.h"
+#include "attitude_vertical.h"
 #include "attitude_witness.h"
 
 /* Blocks between two updates of a rest; blocks by which a rest may begin after the first sample and still be one from
@@ -27,7 +26,7 @@ static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, 
   gd_attitude_normalize(&a->sum);
 }
 
-/* Whether the rates of a later window fit the bias of the first hypothesis of rest. */
+/* Whether the rates of a later window fit the bias of the first hypothesis of rest, before a gradual end changed it. */
 static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real error = GD_ATTITUDE_SAME_RATE * GD_ATTITUDE_RAD;
   gd_real spread[9], inverse[9], off[3], scatter[3];
@@ -39,7 +38,7 @@ static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_can
       gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
       for (k = 0; k < 3; k++) {
         spread[4 * k] += scatter[k] + error * error;
-        off[k] = m->gyro[k] - h->bias[k];
+        off[k] = m->gyro[k] - h->bias[k] + a->segment.undone * a->segment.up[k];
       }
       gd_invert(inverse, 0, spread);
       return gd_quadratic(inverse, off) <= GD_ATTITUDE_GATE;
@@ -48,18 +47,24 @@ static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_can
   return 1;
 }
 
-/* Follow the angle random walk of a gyro that is noisier than usual, by the scatter of block means at rest. */
+/* Follow the angle random walk of the gyro by the scatter of block means at rest. */
 static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_candidate *m) {
   const gd_real mean = (m->gyro_var[0] + m->gyro_var[1] + m->gyro_var[2]) / GD_R(3.0);
-  const gd_real noise_var = gd_max(GD_ATTITUDE_GYRO_NOISE * GD_ATTITUDE_GYRO_NOISE, mean * (gd_real)a->c.block_s);
-  a->noise_var += GD_ATTITUDE_NOISE_SHARE * (noise_var - a->noise_var);
+  a->noise_var += GD_ATTITUDE_NOISE_SHARE * (mean * (gd_real)a->c.block_s - a->noise_var);
 }
 
-/* Prior odds of a new candidate. */
+/* Whether the last segment has just ended gradually: the device has not moved since but for a slow turn. */
+static inline int gd_attitude_left_gradually(const gd_attitude *a) {
+  return a->segment.ended_gradually && a->segment.ago < GD_ATTITUDE_RESUME_BLOCKS;
+}
+
+/* Prior odds of a new candidate. A segment after one that ended gradually has `rest_share` alone: the accelerometer was
+   quiet all the time. */
 static inline gd_real gd_attitude_prior_odds(const gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
   const int is_from_start = a->windows.total <= m->kind.blocks + GD_ATTITUDE_START_BLOCKS;
   const int is_at_first = is_from_start && !a->has_restarted; /* with `still_start` alone */
-  const gd_real odds = (is_from_start ? a->c.start_odds : a->c.rest_odds) * (is_at_first ? 1 : GD_ATTITUDE_QUIET_ODDS);
+  const gd_real factor = is_at_first || gd_attitude_left_gradually(a) ? GD_R(1.0) : GD_ATTITUDE_QUIET_ODDS;
+  const gd_real odds = (is_from_start ? a->c.start_odds : a->c.rest_odds) * factor;
   return is_certain ? GD_ATTITUDE_CERTAIN_ODDS : odds;
 }
 
@@ -70,6 +75,7 @@ static inline void gd_attitude_begin_segment(gd_attitude *a, const gd_attitude_c
   segment->since = segment->ago = 0;
   segment->seconds = (gd_real)m->kind.blocks * (gd_real)a->c.block_s;
   memcpy(segment->gyro, m->gyro, sizeof m->gyro);
+  gd_attitude_begin_level(a, m);
 }
 
 /* End the segment; after some blocks it cannot resume, and all hypotheses are undecided. */
@@ -92,14 +98,20 @@ static inline int gd_attitude_continues(gd_attitude *a, const gd_attitude_candid
   const gd_attitude_segment *segment = &a->segment;
   const gd_real limit = gd_max(m->kind.gyro, GD_R(1.0)) * GD_ATTITUDE_GYRO_SPREAD;
   gd_real off[3];
-  int i;
+  int i, may_drift = 0;
   if (!(segment->seconds > 0) || (segment->blocks == 0 && segment->ago >= GD_ATTITUDE_RESUME_BLOCKS)) {
+    return 0;
+  }
+  if (segment->blocks > 0 ? gd_attitude_leaves_level(a, m) : !gd_attitude_resumes_level(a, m)) {
     return 0;
   }
   for (i = 0; i < 3; i++) {
     off[i] = m->gyro[i] - segment->gyro[i];
   }
-  return gd_largest(off) < GD_R(2.0) * limit && gd_attitude_is_same_rest(a, m);
+  for (i = 0; gd_attitude_is_quiet(m) && i < a->sum.count; i++) {
+    may_drift = may_drift || gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST;
+  }
+  return (may_drift || gd_largest(off) < GD_R(2.0) * limit) && gd_attitude_is_same_rest(a, m);
 }
 
 /* Widen the biases of rests by half of the fastest drift since the last update. */
@@ -148,14 +160,19 @@ static inline int gd_attitude_continue_segment(gd_attitude *a, const gd_attitude
   segment->blocks = m->kind.blocks;
   segment->since = resumes ? 0 : segment->since + 1;
   *overlap = GD_R(1.0);
-  if (!resumes && segment->since < GD_ATTITUDE_UPDATE_BLOCKS) {
+  if (resumes) {
+    a->job.was_brief = segment->level_blocks < GD_ATTITUDE_QUIET_BLOCKS;
+    gd_attitude_resume_level(a, m);
+    return 1;
+  }
+  gd_attitude_follow_level(a);
+  if (segment->since < GD_ATTITUDE_UPDATE_BLOCKS) {
     return 0;
   }
-  if (!resumes) {
-    *overlap = gd_max(GD_R(1.0), (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS);
-    gd_attitude_let_drift(a);
-    gd_attitude_lengthen(a);
-  }
+  *overlap = gd_max(GD_R(1.0), (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS);
+  gd_attitude_let_drift(a);
+  gd_attitude_lengthen(a);
+  a->job.is_repeated = 1;
   return 1;
 }
 

@@ -14,10 +14,11 @@ typedef struct {
   int is_held;
 } gd_attitude_transition;
 
-/* An accepted sample: time and step from the one before, s; rates, accelerations, and the report of a rest sensor. */
+/* An accepted sample: time and step from the one before, s; rates, accelerations, and the report of a rest sensor,
+   and temperature. */
 typedef struct {
   double t_s, dt_s;
-  gd_real gyro[3], accel[3], still;
+  gd_real gyro[3], accel[3], still, temp_c;
 } gd_attitude_sample;
 
 /* Work at the end of a block or at a gap; see attitude_job.h. */
@@ -25,6 +26,7 @@ typedef struct {
   uint8_t stage, index, later, after; /* next portion; stage after a merge */
   uint8_t is_blind;                   /* the block has no acceleration */
   uint8_t is_certain, is_found, is_continued; /* kind of its rest candidate */
+  uint8_t is_repeated, was_brief;          /* its rests are measured again; they were brief ones */
   uint8_t is_at_gap;                       /* a gap begins after the block */
   uint8_t is_divided, waits;               /* the user has asked for a portion since the last block ended, and before */
   uint8_t rests;                           /* hypotheses of rest, which are first in the list */
@@ -40,7 +42,7 @@ typedef struct {
   gd_real error[GD_ATTITUDE_STATES];       /* of a hypothesis of rest between its two measurements */
   gd_real odds, overlap;                   /* prior odds of a rest that begins; see gd_attitude_rest_variances */
   gd_real log_rest[GD_ATTITUDE_SLOTS], log_motion[GD_ATTITUDE_SLOTS];
-  gd_real still;                           /* report of the sample after a gap */
+  gd_real still, temp_c;                   /* of the sample after a gap */
   uint8_t oldest, queued;                  /* samples that wait, in a ring */
   gd_attitude_sample queue[GD_ATTITUDE_QUEUE];
 } gd_attitude_job;
@@ -49,7 +51,7 @@ typedef struct {
 typedef struct {
   gd_real yaw_deg, yaw_sigma_deg;   /* unwrapped heading, 0 at the first sample, and its standard deviation */
   gd_real bias_dps, bias_sigma_dps; /* bias of the rate of the heading */
-  gd_real bias_xyz_dps[3];          /* bias of the three axes */
+  gd_real bias_xyz_dps[3], bias_sigma_xyz_dps[3]; /* bias of the three axes */
   gd_real q[4];                     /* attitude (w, x, y, z), sensor to earth, z up */
   gd_real tilt_deg, tilt_sigma_deg; /* angle between the sensor's z axis and the vertical */
   gd_real heading_rate_dps;         /* rate of the heading by the measured rates */
@@ -68,6 +70,11 @@ typedef struct {
   gd_real gyro_dps[3], suspect_dps[3], suspect_s; /* last rates, and those of a sample that may be a spike */
   gd_real accel_mps2[3];
   gd_real start_q[4], start_deg; /* output attitude and heading at the beginning of the block */
+  gd_real temp_c;                /* GD_UNKNOWN_C until there is one */
+  double lived_s, sure_s;        /* since the first sample, and length of the present sure rest */
+  gd_bias_line line[3];          /* bias of the axes against temperature */
+  gd_attitude_remembered remembered;
+  uint8_t remembers;             /* hypotheses have a remembered bias, and there was no rest candidate yet */
   gd_real noise_var;             /* angle random walk of the gyro, rad^2/s */
   gd_real turn_on_bias[3];       /* mean of the prior of an unknown bias, rad/s: 0, or the bias before a restart */
   gd_attitude_coefficients c;

@@ -4,6 +4,7 @@
 
 #include "attitude_aided.h"
 #include "attitude_block.h"
+#include "attitude_knowledge.h"
 #include "attitude_levelling.h"
 #include "attitude_predict.h"
 #include "attitude_segments.h"
@@ -55,6 +56,7 @@ static inline void gd_attitude_publish(gd_attitude *a) {
   a->rest_probability = 0;
   for (i = 0; i < 3; i++) {
     a->bias_xyz_dps[i] = m.bias[i] / GD_ATTITUDE_RAD;
+    a->bias_sigma_xyz_dps[i] = GD_SQRT(gd_max(m.bias_cov[4 * i], 0)) / GD_ATTITUDE_RAD;
   }
   for (i = 0; a->segment.blocks > 0 && i < a->sum.count; i++) {
     a->rest_probability += gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? gd_attitude_at(a, i)->weight : GD_R(0.0);
@@ -96,6 +98,7 @@ static inline void gd_attitude_begin(gd_attitude *a, const gd_real accel[3]) {
   gd_attitude_count_turns(a);
   gd_attitude_first_covariance(a, a->sum.slot[0].cov, has_accel ? GD_ATTITUDE_START_TILT : GD_ATTITUDE_UNKNOWN_TILT);
   a->noise_var = GD_ATTITUDE_GYRO_NOISE * GD_ATTITUDE_GYRO_NOISE;
+  gd_attitude_begin_remembered(a);
   gd_attitude_next_block(&a->block, zero, zero);
   gd_attitude_publish(a);
 }
@@ -135,10 +138,13 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
   }
 }
 
-/* Widen the biases in motion, which differ from those at rest, for the first seconds. */
+/* Widen the biases in motion, which differ from those at rest, for the first seconds. A slow turn is no motion. */
 static inline void gd_attitude_widen_by_motion(gd_attitude *a, gd_real seconds) {
   const gd_real rate = GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS / GD_MAX_RAMP_S;
   int i;
+  if (gd_attitude_left_gradually(a)) {
+    return;
+  }
   for (i = 0; i < a->sum.count; i++) {
     gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     const int is_at_rest = h->regime == GD_ATTITUDE_REST && a->segment.blocks > 0;

@@ -10,7 +10,6 @@
 
 #define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
 #define GD_MIN_BLOCK_SAMPLES 6   /* the variance of fewer samples is too uncertain */
-#define GD_SAME_TIME_S 1e-6 /* times that differ by less are the same */
 
 static inline void gd_rl_set_coefficients(gd_rl_coefficients *c, const gd_restlevel_params *p) {
   const gd_real turn_on_var = p->turn_on_dps * p->turn_on_dps;
@@ -40,8 +39,8 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   s->longest_step_s = GD_FIRST_STEP_S;
 #endif
 #if GD_RESTLEVEL_AUXILIARY
-  s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
-  s->line.slope_var = GD_NEW_SLOPE_VAR;
+  s->temp_c = GD_UNKNOWN_C;
+  gd_begin_line(&s->line);
   s->witness.is_believed = 1;
 #endif
   return is_valid;

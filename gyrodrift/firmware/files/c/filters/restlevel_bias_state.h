@@ -1,12 +1,8 @@
-/* State of restlevel between blocks: hypotheses, the rest sensor, and bias against temperature. Twin of
-   restlevel/bias_state.py. */
+/* State of restlevel between blocks: hypotheses and the rest sensor. Twin of restlevel/bias_state.py. */
 #ifndef GD_RESTLEVEL_BIAS_STATE_H
 #define GD_RESTLEVEL_BIAS_STATE_H
 
-#include "real.h"
-
-#define GD_UNSAID_C GD_R(-1000.0)     /* temperature before the first one */
-#define GD_NEW_SLOPE_VAR GD_R(0.0001) /* of a new sensor, (deg/s per degree C)^2: 0.01^2 of common data sheets */
+#include "bias_line.h"
 
 /* Yaw of a hypothesis where the present segment began. */
 typedef struct {
@@ -67,14 +63,5 @@ typedef struct {
 typedef struct {
   gd_real mean_dps, mean_var, flicker_var, ramp_var;
 } gd_rl_still;
-
-/* Bias against temperature. */
-typedef struct {
-  gd_real temp_c, rest_c; /* averaged, and what it was at the last probable rest */
-  gd_real slope_dps_c, slope_var;
-  gd_real level_dps, level_var, covariance, level_c;
-  double level_s;
-  uint8_t points; /* measurements of the level, up to 255 */
-} gd_rl_line;
 
 #endif

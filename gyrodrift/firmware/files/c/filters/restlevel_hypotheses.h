@@ -199,7 +199,7 @@ static inline void gd_rl_zero_velocity_update(const gd_restlevel *s, gd_rl_hypot
   const gd_real ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
   gd_rl_kalman_update(h, mean_dps, gd_rl_further_var(s, seconds), ramp_var);
   h->moving_s = gd_rl_is_vibrating(s) ? h->moving_s : GD_R(0.0);
-  gd_rl_follow_slide(&s->c, h, s->block.seconds);
+  gd_rl_follow_slide(s->c.rate_ramp_dps_s, h, s->block.seconds);
 }
 
 #endif

@@ -67,9 +67,6 @@
 #define GD_RL_STORED (GD_MAX_HYPOTHESES < GD_RL_FIRST ? GD_RL_FIRST : GD_MAX_HYPOTHESES)
 
 #define GD_TURN_DEG GD_R(30.0)    /* angle of a turn: errors of scale are equal within it */
-#define GD_UNKNOWN_C GD_UNSAID_C
-#define GD_COLDEST_C GD_R(-100.0) /* temperatures out of this range are ignored */
-#define GD_WARMEST_C GD_R(200.0)
 
 /* Values that follow from the parameters alone. */
 typedef struct {
@@ -161,7 +158,7 @@ typedef struct {
   gd_real temp_c; /* GD_UNKNOWN_C until there is one */
   double lived_s; /* since the first sample */
   double sure_s;  /* length of the present sure rest */
-  gd_rl_line line;
+  gd_bias_line line;
   gd_rl_witness witness;
 #endif
   gd_rl_hypothesis hypotheses[GD_RL_STORED]; /* `stored` of them, in the order of their slots */

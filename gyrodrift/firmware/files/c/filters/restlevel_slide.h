@@ -4,6 +4,7 @@
 
 #include "restlevel_model.h"
 
+#define GD_SAME_TIME_S 1e-6     /* times that differ by less are the same */
 #define GD_MARK_S 4.0           /* time between two recent values of the bias */
 #define GD_FLAT_S GD_R(1.0)     /* a step up to the drift of this time is no slide */
 #define GD_LONGEST_SLIDE_S 40.0 /* bends last no longer */
@@ -26,14 +27,14 @@ static inline gd_real gd_rl_towards_zero(gd_real x, gd_real step) {
   return x > step ? x - step : gd_min(x + step, GD_R(0.0));
 }
 
-/* Follows the slide of a rest after the zero-velocity update of a block. */
-static inline void gd_rl_follow_slide(const gd_rl_coefficients *c, gd_rl_hypothesis *h, double seconds) {
+/* Follows the slide of a rest after the zero-velocity update of a block; `ramp_dps_s` is the fastest drift. */
+static inline void gd_rl_follow_slide(gd_real ramp_dps_s, gd_rl_hypothesis *h, double seconds) {
   gd_rl_mark *recent = &h->recent, *safe = &h->safe;
-  const gd_real least_dps = c->rate_ramp_dps_s * GD_FLAT_S, before_dps = h->slide_dps;
+  const gd_real least_dps = ramp_dps_s * GD_FLAT_S, before_dps = h->slide_dps;
   gd_real step_dps;
   recent->ago_s += seconds;
   safe->ago_s += seconds;
-  if (recent->ago_s < GD_MARK_S) {
+  if (recent->ago_s < GD_MARK_S - GD_SAME_TIME_S) {
     return;
   }
   step_dps = h->bias_dps - recent->bias_dps;

@@ -8,7 +8,7 @@
 
 static inline void gd_rl_advance_with(gd_restlevel *s, double dt_s, gd_real rate_dps, gd_real still, gd_real temp_c) {
   gd_rl_hear(&s->witness, still);
-  if (GD_COLDEST_C < temp_c && temp_c < GD_WARMEST_C) {
+  if (gd_is_temperature(temp_c)) {
     s->temp_c = temp_c;
   }
   gd_rl_advance(s, s->samples > 0 ? dt_s : 0.0, rate_dps);

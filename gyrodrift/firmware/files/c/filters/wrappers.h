@@ -84,12 +84,17 @@ public:
   bool update_us(uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]) {
     return gd_attitude_update_us(&state_, t_us, gyro_dps, accel_mps2) != 0;
   }
-  /* `still` is 1 at rest and 0 in motion by an external sensor; NaN if unknown. */
-  bool update(double t_s, const gd_real gyro_dps[3], const gd_real accel_mps2[3], gd_real still) {
-    return gd_attitude_update_with(&state_, t_s, gyro_dps, accel_mps2, still, (gd_real)NAN) != 0;
+  /* `still` is 1 at rest and 0 in motion by an external sensor; NaN if unknown, as the temperature. */
+  bool update(double t_s, const gd_real gyro_dps[3], const gd_real accel_mps2[3], gd_real still,
+              gd_real temp_c = (gd_real)NAN) {
+    return gd_attitude_update_with(&state_, t_s, gyro_dps, accel_mps2, still, temp_c) != 0;
   }
-  bool update_us(uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3], gd_real still) {
-    return gd_attitude_update_us_with(&state_, t_us, gyro_dps, accel_mps2, still, (gd_real)NAN) != 0;
+  bool update_us(uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3], gd_real still,
+                 gd_real temp_c = (gd_real)NAN) {
+    return gd_attitude_update_us_with(&state_, t_us, gyro_dps, accel_mps2, still, temp_c) != 0;
+  }
+  bool remember(const gd_real bias_xyz_dps[3], const gd_real bias_sigma_xyz_dps[3], gd_real age_s) {
+    return gd_attitude_remember(&state_, bias_xyz_dps, bias_sigma_xyz_dps, age_s) != 0;
   }
   void gap() { gd_attitude_gap(&state_); }
   void restarted() { gd_attitude_restarted(&state_); }
