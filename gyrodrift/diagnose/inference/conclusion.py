@@ -105,8 +105,9 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     if pair is not None and name in pair:
         sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
-    low, high = with_form_error(low, median, high, known_forms(profile.best.template)[0])
     best = tried[response]
+    if not best.candidate.is_exact:
+        low, high = with_form_error(low, median, high, known_forms(profile.best.template)[0])
     variants = tuple((item.candidate, float(share)) for item, share in zip(tried, mass / mass.sum(), strict=True))
     return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high), variants)
 

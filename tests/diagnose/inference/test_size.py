@@ -41,13 +41,16 @@ def drawn(rng: np.random.Generator, size: float) -> Floats:
 
 
 def test_an_interval_holds_the_true_size_in_19_of_20_cases() -> None:
-    """True sizes are equally probable on a logarithmic scale."""
+    """True sizes are equally probable on a logarithmic scale.
+
+    With independent features, the power of the likelihood makes intervals wider than nominal.
+    """
     rng = np.random.default_rng(0)
     scorer = scorer_of({}, simulated("scale_factor", PER_SIZE, SIZES))
     true = np.exp(rng.uniform(np.log(2.0), np.log(30.0), CASES))
     results = [size_of(with_difference(scorer, drawn(rng, float(size)))) for size in true]
     low, median, high = (np.array([getattr(result, end) for result in results]) for end in ("low", "median", "high"))
-    assert 0.92 <= np.mean((low <= true) & (true <= high)) <= 0.99
+    assert 0.92 <= np.mean((low <= true) & (true <= high)) <= 0.995
     assert np.mean(true < low) < 0.05
     assert np.mean(true > high) < 0.05
     assert np.median(median / true) == pytest.approx(1.0, abs=0.02)
