@@ -15,7 +15,8 @@ from support import quick
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import _follow, array_of, walk
 from gyrodrift.evaluation.reference import accepted
-from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
+from gyrodrift.filters.beliefs import MAX_HYPOTHESES
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
 from gyrodrift.values.arrays import Floats
