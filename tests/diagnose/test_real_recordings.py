@@ -73,8 +73,9 @@ def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings, withheld: t
     empty = np.zeros(0)
     moments = Moments(empty, empty, empty, empty, empty, 0.01)
     waited_s = fitted.begin(np.random.default_rng(1), 100.0)(session.t_device_s, moments)
-    assert bunch_distance_s(waited_s) == pytest.approx(bunch_distance_s(session.t_host_s), rel=0.05)
-    assert gap["where"][0]["stage"] == "link"
+    assert bunch_distance_s(waited_s) == pytest.approx(bunch_distance_s(session.t_host_s), rel=0.1)
+    stages = [deviation["stage"] for deviation in gap["where"][:2]]
+    assert sorted(stages) == ["clock", "link"]  # its arrivals also change their pace
 
 
 @pytest.mark.evaluation

@@ -157,7 +157,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/variances-added-as-logarithms",
-        f"{INFERENCE}/log_variances.py",
+        "gyrodrift/diagnose/features/vector.py",
         "np.maximum(powers - 1.0, LEAST_VARIANCE)",
         "np.maximum(powers, LEAST_VARIANCE)",
         "Two noises are louder together than they are.",

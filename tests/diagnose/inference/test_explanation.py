@@ -26,7 +26,7 @@ def test_a_session_is_predicted_by_the_others() -> None:
     explanation = explained([6.0, 6.0, 6.0, 9.0])
     assert explanation.named == ("scale_factor",)
     change, variance = explanation.held_out
-    assert change[3, RATE] == pytest.approx(6.0, abs=0.1)
+    assert change[3, RATE] == pytest.approx(6.0, abs=0.15)
     assert (change[:3, RATE] > 6.5).all()
     assert variance[:, RATE] == pytest.approx(np.square(CLOSE_TO_IT * change[:, RATE]))
     expected = (9.0 - change[3, RATE]) / np.sqrt(1.0 + variance[3, RATE])
@@ -50,9 +50,9 @@ def test_the_change_of_some_effects_is_that_of_these_alone() -> None:
     explanation = concluded({"rate": 10.0, "clock_ratio": 8.0}, SCALE, DRIFT).explanation
     assert set(explanation.named) == {"scale_factor", "clock_drift"}
     change = explanation.change(["clock_drift"])
-    assert change[:, CLOCK] == pytest.approx(np.full(SESSIONS, 8.0), abs=0.1)
+    assert change[:, CLOCK] == pytest.approx(np.full(SESSIONS, 8.0), abs=0.15)
     assert not change[:, RATE].any()
-    assert explanation.change(explanation.named)[:, RATE] == pytest.approx(np.full(SESSIONS, 10.0), abs=0.1)
+    assert explanation.change(explanation.named)[:, RATE] == pytest.approx(np.full(SESSIONS, 10.0), abs=0.15)
 
 
 def test_effects_that_may_act_are_listed_where_they_fit_best() -> None:

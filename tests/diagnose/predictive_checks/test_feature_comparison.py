@@ -41,7 +41,7 @@ def test_the_recordings_stand_beside_the_simulator() -> None:
 def test_after_is_under_sizes_of_the_other_sessions() -> None:
     """Three say 6, which the last is held against; the band is wider by the error of the form."""
     result = compared("rate")
-    assert result.after.middle[3] * ROOT == pytest.approx(7.0, abs=0.1)
+    assert result.after.middle[3] * ROOT == pytest.approx(7.0, abs=0.15)
     assert np.all(result.after.middle[:3] > result.after.middle[3])
     change = result.after.middle * ROOT - 1.0
     wide = np.sqrt(1.0 + np.square(CLOSE_TO_IT * change))
