@@ -185,6 +185,9 @@ def conclude(
 ) -> Conclusion:
     """Find the posterior and derive the verdict from it.
 
+    A lone random effect that predicts nothing, where no feature deviates by more than chance, is the scatter of the
+    recordings: its probability counts as that of no gap.
+
     unseparated
         Untested effects that act like a tested effect in these recordings.
     background
@@ -203,8 +206,16 @@ def conclude(
     explanation, causes = _explained(evidence, scorer, posterior, _named(scorer, posterior))
     predicting = _predicting(explanation, causes)
     if len(predicting) < len(causes):
+        if not predicting and not deviations(_before(explanation), evidence.threshold_z, least=0):
+            posterior = posterior.without({cause.effect.name for cause in causes})
         explanation, causes = _explained(evidence, scorer, posterior, predicting)
     return Conclusion(_verdict(explanation, causes), explanation)
+
+
+def _before(explanation: Explanation) -> Floats:
+    """(F,) deviations of the features from the rig as it is, pooled over the sessions."""
+    z: Floats = pooled_z(explanation.evidence.z) / explanation.evidence.sigma_factor
+    return z
 
 
 def _predicting(explanation: Explanation, causes: Sequence[NamedCause]) -> Sequence[NamedCause]:

@@ -70,19 +70,24 @@ def test_a_gap_that_no_effect_makes_is_unknown() -> None:
     assert conclusion.explanation.posterior.unknown > 0.9
 
 
-@pytest.mark.parametrize(("least", "names"), [(rules.PREDICTS, ["bias_instability"]), (1.1, [])])
+@pytest.mark.parametrize(
+    ("least", "deviates", "kind"),
+    [(rules.PREDICTS, True, Kind.EFFECT), (1.1, True, Kind.UNKNOWN), (1.1, False, Kind.NONE)],
+)
 def test_a_random_cause_that_is_alone_must_close_a_part_of_the_gap(
-    least: float, names: list[str], monkeypatch: pytest.MonkeyPatch
+    least: float, kind: Kind, monkeypatch: pytest.MonkeyPatch, *, deviates: bool
 ) -> None:
-    """Sessions that scatter as the effect does; without a name the verdict is unknown, not none."""
+    """Sessions that scatter as the effect does; without a name it is none only where no feature deviates."""
     monkeypatch.setattr(rules, "PREDICTS", least)
+    if not deviates:
+        monkeypatch.setattr(rules, "deviations", lambda _z, _threshold, least: ())
     numbers, draws = [NUMBER["walk_20s"], NUMBER["wander_20s"]], np.random.default_rng(2)
     per_size = np.zeros((SESSIONS, ENOUGH, len(FEATURES)))
     per_size[:, :, numbers] = 1.0 + 0.3 * draws.standard_normal((SESSIONS, ENOUGH, 2))
     difference = 6.0 * per_size[:, 0] + 0.5 * draws.standard_normal((SESSIONS, len(FEATURES)))
     verdict = concluded_of(difference, simulated_at_random("bias_instability", per_size)).verdict
-    assert [cause.effect.name for cause in verdict.causes] == names
-    assert verdict.kind is not Kind.NONE
+    assert [cause.effect.name for cause in verdict.causes] == ["bias_instability"] * (kind is Kind.EFFECT)
+    assert verdict.kind is kind
 
 
 def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
