@@ -29,9 +29,9 @@ NEWEST = int(BLOCKS_PER_WINDOW)
 def leaves_level(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -> bool:
     """Whether the newest blocks of a quiet window leave the level of the present segment."""
     segment = s.segment
-    if m.kind is not QUIET:
-        return False
     before = segment.level_blocks - NEWEST
+    if m.kind is not QUIET or before <= 0:
+        return False
     off = mean_vertical(s.windows, 0, NEWEST, segment.up) - segment.level
     variance = level_var(c, s, 1.0 / NEWEST + 1.0 / before, 0.5 * segment.level_blocks)
     return off * off > GATE_SIGMAS * GATE_SIGMAS * variance

@@ -92,3 +92,21 @@ def test_a_bias_that_drifts_at_rest_is_learned() -> None:
     """It warms up by 0.4 deg/s, at first by 0.007 deg/s², nearly twice as fast as `drift_dps_s`."""
     bias_dps = 0.4 * (1.0 - np.exp(-np.arange(1000) / 1500.0))
     assert yaw_after_level_turn_deg(np.zeros(1000), bias_dps) == pytest.approx(0.0, abs=1.0)
+
+
+@pytest.mark.parametrize("begin_s", [4.6, 4.7])
+def test_a_rest_sensor_may_report_a_part_of_a_rest(begin_s: float) -> None:
+    """A report of 0.35 s ends with the first quiet window, whose newest blocks are then the whole level."""
+    rng, t_s = np.random.default_rng(1), np.arange(0.0, 6.0, 0.01)
+    gyro_dps, accel_mps2 = rng.normal((0.1, 0.2, 0.3), 0.03, (600, 3)), rng.normal((0.0, 0.0, 9.81), 0.03, (600, 3))
+    moves = (t_s >= 2.0) & (t_s < 4.0)
+    gyro_dps[moves] += 20.0 * np.sin(np.outer(t_s[moves], (3.0, 5.0, 2.0)))
+    accel_mps2[moves, 0] += 2.0 * np.sin(4.0 * t_s[moves])
+    still = np.where((t_s >= begin_s) & (t_s < begin_s + 0.35), 1.0, np.nan)
+    c, s = coefficients(RestlevelParams()), AttitudeState()
+    for t, rates, forces, report in zip(
+        t_s.tolist(), gyro_dps.tolist(), accel_mps2.tolist(), still.tolist(), strict=True
+    ):
+        step(c, s, t, *rates, *forces, still=report)
+    assert s.bias_xyz_dps == pytest.approx((0.1, 0.2, 0.3), abs=0.05)
+    assert s.witness.refuted == 0

@@ -46,7 +46,7 @@ static inline int gd_attitude_leaves_level(const gd_attitude *a, const gd_attitu
   const gd_attitude_segment *segment = &a->segment;
   const gd_real before = (gd_real)(segment->level_blocks - GD_ATTITUDE_NEWEST);
   gd_real off, variance;
-  if (!gd_attitude_is_quiet(m)) {
+  if (!gd_attitude_is_quiet(m) || before <= 0) {
     return 0;
   }
   off = gd_attitude_mean_vertical(&a->windows, 0, GD_ATTITUDE_NEWEST, segment->up) - segment->level;
