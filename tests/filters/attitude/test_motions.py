@@ -104,9 +104,7 @@ def test_a_rest_sensor_may_report_a_part_of_a_rest(begin_s: float) -> None:
     accel_mps2[moves, 0] += 2.0 * np.sin(4.0 * t_s[moves])
     still = np.where((t_s >= begin_s) & (t_s < begin_s + 0.35), 1.0, np.nan)
     c, s = coefficients(RestlevelParams()), AttitudeState()
-    for t, rates, forces, report in zip(
-        t_s.tolist(), gyro_dps.tolist(), accel_mps2.tolist(), still.tolist(), strict=True
-    ):
-        step(c, s, t, *rates, *forces, still=report)
+    for row in np.column_stack((t_s, gyro_dps, accel_mps2, still)).tolist():
+        step(c, s, *row)
     assert s.bias_xyz_dps == pytest.approx((0.1, 0.2, 0.3), abs=0.05)
     assert s.witness.refuted == 0
