@@ -206,16 +206,16 @@ def conclude(
     explanation, causes = _explained(evidence, scorer, posterior, _named(scorer, posterior))
     predicting = _predicting(explanation, causes)
     if len(predicting) < len(causes):
-        if not predicting and not deviations(_before(explanation), evidence.threshold_z, least=0):
+        if not predicting and not deviations(_pooled(evidence, evidence.z), evidence.threshold_z, least=0):
             posterior = posterior.without({cause.effect.name for cause in causes})
         explanation, causes = _explained(evidence, scorer, posterior, predicting)
     return Conclusion(_verdict(explanation, causes), explanation)
 
 
-def _before(explanation: Explanation) -> Floats:
-    """(F,) deviations of the features from the rig as it is, pooled over the sessions."""
-    z: Floats = pooled_z(explanation.evidence.z) / explanation.evidence.sigma_factor
-    return z
+def _pooled(evidence: Evidence, z: Floats) -> Floats:
+    """(F,) deviations of the features, pooled over the sessions, in units of their scatter."""
+    pooled: Floats = pooled_z(z) / evidence.sigma_factor
+    return pooled
 
 
 def _predicting(explanation: Explanation, causes: Sequence[NamedCause]) -> Sequence[NamedCause]:
@@ -309,7 +309,7 @@ def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdic
     """The verdict from the posterior, the deviating features and the gap."""
     evidence, posterior = explanation.evidence, explanation.posterior
     kind = kind_of(posterior, has_causes=bool(causes))
-    before, after = (pooled_z(z) / evidence.sigma_factor for z in (evidence.z, explanation.held_out_z))
+    before, after = (_pooled(evidence, z) for z in (evidence.z, explanation.held_out_z))
     where = _deviating(posterior, before, evidence.threshold_z, is_unknown=kind is Kind.UNKNOWN)
     gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, explanation.held_out_gap)
     if kind is Kind.EFFECT and not gap.is_closed:

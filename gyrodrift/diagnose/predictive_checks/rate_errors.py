@@ -10,7 +10,7 @@ import numpy as np
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.motion_terms import TURN_DPS
-from gyrodrift.diagnose.features.spectral_line import WINDOW, power_spectra, windows_within
+from gyrodrift.diagnose.features.spectral_line import WINDOW, WINDOW_POWER, power_spectra, windows_within
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
@@ -241,6 +241,6 @@ def spectra_of(sessions: Sequence[ResidualSeries]) -> Spectra | None:
     every = np.concatenate(windows, axis=1)
     if not every.shape[1]:
         return None
-    density = [power_spectra(rows).mean(axis=0) * period_s / np.square(np.hanning(WINDOW)).sum() for rows in every]
+    density = [power_spectra(rows).mean(axis=0) * period_s / WINDOW_POWER for rows in every]
     hz: Floats = np.fft.rfftfreq(WINDOW, period_s).astype(np.float64)
     return Spectra(hz[2:-1], *(np.sqrt(values[2:-1]) for values in density))

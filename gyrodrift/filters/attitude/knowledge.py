@@ -17,6 +17,7 @@ from gyrodrift.filters.restlevel.bias_state import MAX_REMEMBERED
 from gyrodrift.filters.restlevel.model import UNKNOWN_C
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 from gyrodrift.filters.restlevel.temperature import follow_line, learn_level
+from gyrodrift.values.arrays import Mask
 
 
 def begin_remembered(c: AttitudeCoefficients, s: AttitudeState) -> None:
@@ -77,13 +78,20 @@ def drop_wrong_memory(c: AttitudeCoefficients, s: AttitudeState) -> None:
         s.hypotheses.weight = np.array((1.0 - weight, JUMP_SHARE * weight)) / (1.0 - weight + JUMP_SHARE * weight)
 
 
+def in_motion(s: AttitudeState) -> Mask:
+    """Hypotheses (n) that know their biases and are not at rest."""
+    h = s.hypotheses
+    moves: Mask = h.knows_bias & ((h.regime != REST) | (s.segment.blocks == 0))
+    return moves
+
+
 def follow_temperature(s: AttitudeState, seconds: float) -> None:
     """Move the biases of hypotheses in motion along the lines of their axes; `seconds` is the length of the block."""
     if s.temp_c == UNKNOWN_C:
         return
     steps = np.array([follow_line(axis.line, s.temp_c, s.rest_probability, seconds) for axis in s.axes])
     h = s.hypotheses
-    is_moving = h.knows_bias & ((h.regime != REST) | (s.segment.blocks == 0))
+    is_moving = in_motion(s)
     h.bias[is_moving] += np.radians(steps[:, 0])
     h.cov[is_moving, BIAS, BIAS] += RAD**2 * np.diag(steps[:, 1])
     if s.remembers:

@@ -86,11 +86,8 @@ def with_drift(h: Hypotheses, drift_rate: Floats) -> Hypotheses:
 
 def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
     """Unit vector of the vertical in the sensor: the mean acceleration, or the attitude without one."""
-    norm = float(np.sqrt(m.accel @ m.accel))
-    if norm > 0.0:
-        return m.accel / norm
-    up: Floats = rotation_matrices(h.q[i : i + 1])[0, 2]
-    return up
+    up: Floats = m.up
+    return up if up.any() else rotation_matrices(h.q[i : i + 1])[0, 2]
 
 
 def mean_variances(m: RestCandidate) -> Floats:

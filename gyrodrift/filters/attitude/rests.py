@@ -70,6 +70,12 @@ class RestCandidate(NamedTuple):
     gyro_var: Floats
     accel: Floats
 
+    @property
+    def up(self) -> Floats:
+        """Unit vector (3) of the mean acceleration; zero without an accelerometer."""
+        norm = float(np.sqrt(self.accel @ self.accel))
+        return self.accel / norm if norm > 0.0 else np.zeros(3)
+
 
 @dataclass(slots=True)
 class Windows:

@@ -21,6 +21,7 @@ from gyrodrift.filters.attitude.knowledge import (
     begin_remembered,
     drop_wrong_memory,
     follow_temperature,
+    in_motion,
     learn_when_sure,
 )
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
@@ -109,7 +110,7 @@ def widen_by_motion(s: AttitudeState, seconds: float) -> None:
     h = s.hypotheses
     if left_gradually(s):
         return
-    is_moving = h.knows_bias & (h.moving_s < MAX_RAMP_S) & ((h.regime != REST) | (s.segment.blocks == 0))
+    is_moving = in_motion(s) & (h.moving_s < MAX_RAMP_S)
     h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / MAX_RAMP_S * np.eye(3)
 
 

@@ -50,10 +50,9 @@ def resumes_level(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -
 
 def slopes(c: AttitudeCoefficients, s: AttitudeState, m: RestCandidate) -> bool:
     """Whether the halves of a quiet window after a gradual end differ, so that its rate is no level."""
-    norm, half = float(np.sqrt(m.accel @ m.accel)), QUIET.blocks // 2
-    if not s.segment.ended_gradually or m.kind is not QUIET or norm == 0.0:
+    up, half = m.up, QUIET.blocks // 2
+    if not s.segment.ended_gradually or m.kind is not QUIET or not up.any():
         return False
-    up = m.accel / norm
     slope = mean_vertical(s.windows, 0, half, up) - mean_vertical(s.windows, half, half, up)
     return slope * slope > SLOPE_SIGMAS * SLOPE_SIGMAS * 2.0 / half * s.noise_var / c.block_s
 
@@ -82,8 +81,7 @@ def follow_level(s: AttitudeState) -> None:
 
 def begin_level(s: AttitudeState, m: RestCandidate) -> None:
     """Begin the level and the slide of a segment."""
-    segment, norm = s.segment, float(np.sqrt(m.accel @ m.accel))
-    segment.up = m.accel / norm if norm > 0.0 else np.zeros(3)
+    segment, segment.up = s.segment, m.up
     segment.level, segment.level_blocks = float(m.gyro @ segment.up), m.kind.blocks
     segment.undone, segment.ended_gradually = 0.0, False
     begin_slide(s)
